@@ -86,7 +86,8 @@ lint: ## style and static checks
 	clang-format --dry-run --Werror $(cpp)
 
 install: build ## let every YADE console of this user import cd_engine
-	install -d "$(site)/cd_engine/core/files"
+	install -d "$(site)/cd_engine/core/files" "$(site)/cd_engine/pictures"
+	install -m 644 cd_engine/pictures/*.py "$(site)/cd_engine/pictures"
 	install -m 644 cd_engine/*.py cd_engine/*.so "$(site)/cd_engine"
 	install -m 644 cd_engine/core/*.py cd_engine/core/*.so "$(site)/cd_engine/core"
 	install -m 644 cd_engine/core/files/*.py "$(site)/cd_engine/core/files"

@@ -7,17 +7,19 @@ Inside YADE (a script, a batch job, the console):
 
 `ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Two further engines are
 for the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums
-the energy that their dashpots dissipate. Import this module before `O.load` of a scene that contains one of the three.
+the energy that their dashpots dissipate. Import this module before `O.load` of a scene that contains one of the three. `picture` and `film` draw
+planar scenes of both methods.
 """
 import atexit
 import importlib
 import sys
 
 from . import engine_methods, run_hooks
+from .pictures import film, picture
 from .proposed_step import timeStep
 
 ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear")
-__all__ = [*ENGINES, "TESTED", "engines", "methods", "release", "timeStep"]
+__all__ = [*ENGINES, "TESTED", "engines", "film", "methods", "picture", "release", "timeStep"]
 
 FLOW_TOLERANCE = 1e-4  # for single bodies in a flow; means need less, a packing at rest needs more
 

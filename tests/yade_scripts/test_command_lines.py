@@ -25,6 +25,7 @@ def start(*_, **__):
 # Program: (module of main, functions replaced by `start`, options).
 PROGRAMS = {
     "run": ("yade_scripts.run", ["execute"], ["--checkpoints=3", "--checkpoints=x", "--results={folder}"]),
+    "picture": ("yade_scripts.picture", ["show"], ["--film=0.1", "--film=x", "--film=0", "--results={folder}"]),
     "prepare": ("yade_scripts.preparing.prepare", ["ensure"], []),
     "accuracy": ("yade_scripts.accuracy", ["search"], ["accuracy=1e-3", "accuracy=x", "accuracy=-1", "accuracy=nan"]),
     "batch": ("yade_scripts.batch", ["work_off"], ["--jobs", "2", "--hours", "3", "--share", "0/2", "--results", "{folder}"]),

@@ -3,6 +3,7 @@ import math
 import re
 
 import pytest
+from PIL import Image
 
 from .conftest import Yade
 
@@ -12,7 +13,8 @@ def said(folder, name, *settings):
     done = Yade(folder).script(f"examples/{name}.py", *settings)
     lines = [line for line in done.stdout.splitlines() if "s of computing" in line or line.startswith("saved")]
     assert lines and "Traceback" not in done.stderr and "ContactDynamics: " not in done.stderr, (done.returncode, done.stdout + done.stderr)
-    assert (folder / f"{name}.png").stat().st_size > 1000 and (folder / f"{name}.yade.gz").stat().st_size > 1000
+    curve, = folder.glob(f"{name}-*.png")
+    assert all(path.stat().st_size > 1000 for path in (folder / f"{name}.png", curve, folder / f"{name}.yade.gz"))
     assert len(list(folder.glob(f"{name}-spheres-*.vtk"))) >= 3
     return [float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[+-]?\d+)?", " ".join(lines))]
 
@@ -30,8 +32,10 @@ def test_hopper(tmp_path, springs):
 
 def test_drum(tmp_path, springs):
     """The surface stands between the slopes of rolling and of sliding disks, and the drum holds them all."""
-    slope, least, most, inside, disks, *_ = said(tmp_path, "drum", "disks=60", "seconds=1.5", springs)
+    slope, least, most, inside, disks, *_ = said(tmp_path, "drum", "disks=60", "seconds=1.5", "film=1", springs)
     assert 10 < slope < 45 and least < slope < most and inside == disks == 60
+    with Image.open(tmp_path / "drum.gif") as film:
+        assert 28 <= film.n_frames <= 31  # each 0.05 s, or at the step after it
 
 
 def test_heap(tmp_path, springs):
@@ -64,4 +68,4 @@ def test_rows_of_a_table_set_them(tmp_path):
     *refused, done = (Yade(tmp_path).script("examples/hopper.py", YADE_BATCH=f"{table}:{line}") for line in (3, 4, 5, 6, 2))
     assert all("disks must be a whole number" in row.stderr.splitlines()[-1] for row in refused)
     assert "of 40 disks left the hopper in 0.20 s" in done.stdout, done.stdout + done.stderr
-    assert [path.name.startswith("hopper-disks=40,seconds=0.2.") for path in tmp_path.glob("*.png")] == [True]  # another row would write another file
+    assert [path.name.startswith("hopper-disks=40,seconds=0.2.") for path in tmp_path.glob("*.png")] == [True] * 2  # another row would write others

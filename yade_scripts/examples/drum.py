@@ -2,12 +2,13 @@
 
     yade yade_scripts/examples/drum.py                       with YADE's window or console at the end; -n -x: without
     yade yade_scripts/examples/drum.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
-    yade-batch TABLE yade_scripts/examples/drum.py           the rows of a table with columns disks, springs, seconds
+    yade yade_scripts/examples/drum.py film=1                with a film of the run, drum.gif
+    yade-batch TABLE yade_scripts/examples/drum.py           the rows of a table with columns disks, springs, seconds, film
 
 The drum is a ring of boxes that YADE's RotationEngine turns. Like every engine that moves or pushes bodies it stands before ContactDynamics.
-drum.png shows the slope against time. It swings, and the mean over 2 s differs by some degrees from one start to the next.
-drum-*.vtk hold the disks for Paraview, drum.yade.gz the last state. To load it elsewhere, import cd_engine and define what the
-PyRunners below use, then call O.load.
+drum.png shows the disks, half of each shaded, and the forces between them; drum-slope.png the slope against time. It swings, and the
+mean over 2 s differs by some degrees from one start to the next. drum-*.vtk hold the disks for Paraview, drum.yade.gz the last state.
+To load it elsewhere, import cd_engine and define what the PyRunners below use, then call O.load.
 """
 import math, pathlib, random, sys, time
 file = sys._getframe().f_code.co_filename  # YADE sets no __file__
@@ -17,7 +18,7 @@ sys.path.insert(0, str(pathlib.Path(file).resolve().parents[2]))  # this clone; 
 import cd_engine
 from yade import export, plot
 
-settings = dict(disks=200, springs=0, seconds=4.0)
+settings = dict(disks=200, springs=0, seconds=4.0, film=0)
 for word in sys.argv[1:]:
     name, _, value = word.partition("=")
     try:
@@ -25,9 +26,10 @@ for word in sys.argv[1:]:
     except (KeyError, ValueError):
         sys.exit(f"{word}: write name=number as in disks=100; the names are {', '.join(settings)}")
 readParamsFromTable(noTableOk=True, **settings)
-from yade.params.table import disks, springs, seconds
-if not (isinstance(disks, int) and disks >= 1 and isinstance(seconds, (int, float)) and 0.1 <= seconds < 1e9 and springs in (0, 1)):
-    sys.exit(f"disks={disks}, springs={springs}, seconds={seconds}: disks must be a whole number of at least 1, springs 0 or 1, seconds at least 0.1")
+from yade.params.table import disks, springs, seconds, film
+if not (isinstance(disks, int) and disks >= 1 and isinstance(seconds, (int, float)) and 0.1 <= seconds < 1e9 and {springs, film} <= {0, 1}):
+    sys.exit(f"disks={disks}, springs={springs}, seconds={seconds}, film={film}: disks must be a whole number of at least 1, springs and film 0 or "
+             "1, seconds at least 0.1")
 name = f"drum-{O.tags['d.id']}" if runningInBatch() else "drum"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
@@ -70,14 +72,17 @@ else:
     reset, collider, contact_dynamics = cd_engine.engines(gravity=gravity, tolerance=1e-3, gapCorrection=0.1)  # without it: overlaps of 0.05 radii
     O.engines = [reset, collider, turn, contact_dynamics]
     O.dt = cd_engine.timeStep(speed=0.5)                                                  # [m/s], of disks that roll down the surface
-pictures = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
+space = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
 O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, slope=slope())", virtPeriod=0.02),
-                         PyRunner(command="pictures.exportSpheres()", virtPeriod=0.25 * seconds)]
+                         PyRunner(command="space.exportSpheres()", virtPeriod=0.25 * seconds)]
+if film:
+    O.engines = O.engines + [cd_engine.film(f"{name}.gif", every=0.05)]
 plot.plots = {"t": "slope"}
 
 start = time.time()
 O.run(int(seconds / O.dt), True)
-plot.plot(noShow=True).savefig(f"{name}.png")
+plot.plot(noShow=True).savefig(f"{name}-slope.png")
+cd_engine.picture(f"{name}.png")
 last = plot.data["slope"][len(plot.data["slope"]) // 2:]
 inside = sum(b.state.pos.norm() < inner for b in grains)
 print(f"slope of the surface: {sum(last) / len(last):.0f} degrees (mean over the second half, in which it swings from {min(last):.0f} to "

@@ -4,7 +4,8 @@
     yade yade_scripts/examples/heap.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
     yade-batch TABLE yade_scripts/examples/heap.py           the rows of a table with columns disks, springs, seconds
 
-heap.png shows the kinetic energy against time; heap-*.vtk hold the disks for Paraview, heap.yade.gz the scene at rest.
+heap.png shows the heap with the forces in it, heap-energy.png the kinetic energy against time; heap-*.vtk hold the disks for Paraview,
+heap.yade.gz the scene at rest.
 """
 import math, pathlib, random, sys, time
 file = sys._getframe().f_code.co_filename  # YADE sets no __file__
@@ -62,17 +63,18 @@ if springs:
 else:
     O.engines = cd_engine.engines(gravity=gravity)
     O.dt = cd_engine.timeStep()
-pictures = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
+space = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
 O.engines = O.engines + [PyRunner(command="plot.addData(t=O.time, energy=kineticEnergy())", virtPeriod=0.01),
-                         PyRunner(command="pictures.exportSpheres()", virtPeriod=0.25 * seconds)]
+                         PyRunner(command="space.exportSpheres()", virtPeriod=0.25 * seconds)]
 plot.plots = {"t": "energy"}
 
 start = time.time()
 O.run(int(seconds / O.dt), True)
-plot.plot(noShow=True).savefig(f"{name}.png")
+plot.plot(noShow=True).savefig(f"{name}-energy.png")
+cd_engine.picture(f"{name}.png")
 print(f"slope of the heap: {slope():.1f} degrees, friction angle {math.degrees(math.atan(friction)):.1f}; kinetic energy {kineticEnergy():.2g} J, "
       f"{max(plot.data['energy']):.2g} J at its largest; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
 O.save(f"{name}.yade.gz")
-O.load(f"{name}.yade.gz")                                                                # elsewhere: first import cd_engine, make pictures and plot
+O.load(f"{name}.yade.gz")                                                                # elsewhere: first import cd_engine, make space and plot
 O.run(100, True)
 print(f"saved, loaded and 100 steps on: slope {slope():.1f} degrees, kinetic energy {kineticEnergy():.2g} J")

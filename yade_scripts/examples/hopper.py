@@ -4,9 +4,9 @@
     yade yade_scripts/examples/hopper.py disks=200 springs=1   another size; YADE's springs instead of Contact Dynamics
     yade-batch TABLE yade_scripts/examples/hopper.py           the rows of a table with columns disks, springs, seconds
 
-The script removes disks that have left: a disk that falls for ever would get faster and faster. hopper.png shows the discharge;
-hopper-*.vtk hold the disks for Paraview, hopper.yade.gz the last state. To load it elsewhere, import cd_engine and define what
-the PyRunners below use, then call O.load.
+The script removes disks that have left: a disk that falls for ever would get faster and faster. hopper.png shows the
+disks and their forces after a fifth of the time, hopper-left.png the discharge; hopper-*.vtk hold the disks for Paraview, hopper.yade.gz
+the last state. To load it elsewhere, import cd_engine and define what the PyRunners below use, then call O.load.
 """
 import math, pathlib, random, sys, time
 file = sys._getframe().f_code.co_filename  # YADE sets no __file__
@@ -64,13 +64,15 @@ if springs:
 else:
     O.engines = cd_engine.engines(gravity=gravity)
     O.dt = cd_engine.timeStep()
-pictures = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
-O.engines = O.engines + [PyRunner(command="record()", virtPeriod=0.01), PyRunner(command="pictures.exportSpheres()", virtPeriod=0.25 * seconds)]
+space = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
+O.engines = O.engines + [PyRunner(command="record()", virtPeriod=0.01), PyRunner(command="space.exportSpheres()", virtPeriod=0.25 * seconds)]
 plot.plots = {"t": "left"}
 
 mass, start = sum(b.state.mass for b in O.bodies), time.time()
-O.run(int(seconds / O.dt), True)
-plot.plot(noShow=True).savefig(f"{name}.png")
+O.run(int(0.2 * seconds / O.dt), True)
+cd_engine.picture(f"{name}.png")
+O.run(int(seconds / O.dt) - O.iter, True)
+plot.plot(noShow=True).savefig(f"{name}-left.png")
 print(f"{len(left)} of {disks} disks left the hopper in {O.time:.2f} s; mass left and remaining / mass at the start: "
       f"{(sum(left) + sum(b.state.mass for b in O.bodies)) / mass:.6f}; {time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
 O.save(f"{name}.yade.gz")

@@ -4,9 +4,9 @@
     yade yade_scripts/examples/loaded_box.py disks=100 springs=1   another size; YADE's springs instead of Contact Dynamics
     yade-batch TABLE yade_scripts/examples/loaded_box.py           the rows of a table with columns disks, springs, load, seconds
 
-The lid is a Box that is free to move up and down; its load is a permanent force on it. There is no gravity. loaded_box.png shows the height of
-the lid; loaded_box-*.vtk hold the disks and the forces between them for Paraview, loaded_box.yade.gz the last state. To load it
-elsewhere, import cd_engine and define what the PyRunners below use, call O.load, and set the permanent force again.
+The lid is a Box that is free to move up and down; its load is a permanent force on it. There is no gravity. loaded_box.png shows the forces in
+the box, loaded_box-height.png the height of the lid; loaded_box-*.vtk hold disks and forces for Paraview, loaded_box.yade.gz the last
+state. To load it elsewhere, import cd_engine and define what the PyRunners below use, call O.load, and set the permanent force again.
 """
 import math, pathlib, random, sys, time
 file = sys._getframe().f_code.co_filename  # YADE sets no __file__
@@ -65,19 +65,20 @@ O.engines = O.engines + [
     PyRunner(command="plot.addData(t=O.time, height=O.bodies[lid].state.pos[1], floor=-O.forces.f(floor)[1])", virtPeriod=0.01),
     PyRunner(command="draw_in_space()", virtPeriod=0.25 * seconds),
 ]
-pictures = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
+space = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
 
 
 def draw_in_space():
-    pictures.exportSpheres(what={"speed": "b.state.vel.norm()"})
-    pictures.exportInteractions(what={"force": "i.phys.normalForce.norm()"})
+    space.exportSpheres(what={"speed": "b.state.vel.norm()"})
+    space.exportInteractions(what={"force": "i.phys.normalForce.norm()"})
 
 
 plot.plots = {"t": ("height", None, "floor")}
 
 start = time.time()
 O.run(int(seconds / O.dt), True)
-plot.plot(noShow=True).savefig(f"{name}.png")
+plot.plot(noShow=True).savefig(f"{name}-height.png")
+cd_engine.picture(f"{name}.png")
 last = plot.data["floor"][-20:]
 print(f"the floor carries {sum(last) / len(last):.4g} N of {load:g} N; the net vertical force on the lid is {O.forces.f(lid)[1]:.2g} N; "
       f"{time.time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
