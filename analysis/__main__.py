@@ -14,9 +14,10 @@ from yade_scripts.results import provenance, reader
 from yade_scripts.running import queue
 
 FIGURES = reader.RESULTS.parent / "figures"
-LIMITS = ("the loads dSigma at which cycles on the run's stress path set slip going in its packing of springs and keep it going: the static limit, "
-          "the largest load that the contacts carry at all; the opening limit, above which contacts must open in every cycle; the ratchet limit, above "
-          "which slips that open their contacts must ratchet; the shakedown limit, above which slip goes on in every cycle; and the first slip "
+LIMITS = ("the loads dSigma at which cycles on the run's stress path set slip going in its packing of springs, and keep it going: the static limit, "
+          "the largest load that the contacts carry at all; the opening limit, above which contacts must open in every cycle; the ratchet limit, "
+          "above which slips that open their contacts must ratchet; the shakedown limit, above which slip goes on in every cycle; alternating slip, "
+          "the load from which a contact slips to and fro at the normal force that it has at rest; and the first slip "
           "(yade_scripts/theory/shakedown.py says what each proves)")
 BAD = 1  # exit status of `check` for a bad file, or for files of several commits
 
@@ -166,7 +167,7 @@ def _limits(options):
     found = limits.of_cycles(run)
     for name in ("static", "opening", "ratchet", "shakedown"):
         print(f"{name} limit {getattr(found, name):.4g}")
-    print(f"first slip {found.first_slip:.4g}")
+    print(f"alternating slip {found.alternating:.4g}", f"first slip {found.first_slip:.4g}", sep="\n")
     if run.method == "CD":
         print("Rigid grains have the static limit only; the others are those of springs that carry the forces of the first snapshot.")
 

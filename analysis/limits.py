@@ -41,7 +41,8 @@ def of_cycles(run):
     if not run.snapshots:
         raise ResultError(run.path, "it has no snapshot of the packing at its start", "run it again")
     packing, ratio, path = run.snapshots[0], run.parameters["kt_over_kn"], run.parameters["stress_path"]
-    key = (*(packing[name].tobytes() for name in ("box", "contact_point", "contact_friction", "force_normal", "force_tangential")), run.pressure, ratio, path)
+    arrays = (packing[name].tobytes() for name in ("box", "contact_point", "contact_friction", "force_normal", "force_tangential"))
+    key = *arrays, run.pressure, ratio, path
     if key not in _known:
         try:
             _known[key] = shakedown.limits(packing, run.pressure, run.attributes["depth"], ratio, path)

@@ -28,7 +28,8 @@ def single_disk(mu, turned=0.0):
     return {"position": np.full((1, 2), RADIUS), "radius": np.full(1, RADIUS), "body_ids": np.array([6]),
             "contact_ids": np.array([[0, 6], [2, 6], [1, 6], [3, 6]]), "contact_normal": np.array([[1., 0], [0, 1], [-1, 0], [0, -1]]),
             "contact_point": RADIUS * np.array([[0., 1], [1, 0], [2, 1], [1, 2]]), "contact_friction": np.full(4, mu),
-            "box": 2 * RADIUS * np.array([0., 1, 0, 1]), "force_normal": np.full(4, push), "force_tangential": push * turned * np.array([-1, 1, -1, 1])}
+            "box": 2 * RADIUS * np.array([0., 1, 0, 1]), "force_normal": np.full(4, push),
+            "force_tangential": push * turned * np.array([-1, 1, -1, 1])}
 
 
 def lattice(mu=0.3, wall_mu=0.2):
@@ -41,7 +42,8 @@ def lattice(mu=0.3, wall_mu=0.2):
         for wall, (axis, face, sign) in enumerate(((0, 0, 1), (0, 1, -1), (1, 2, 1), (1, 3, -1))):
             if abs(abs(place[axis] - box[face]) - RADIUS) < 1e-9:
                 normal = np.eye(2)[axis] * sign
-                pairs, normals, points, friction = pairs + [(wall, 6 + k)], normals + [normal], points + [place - RADIUS * normal], friction + [wall_mu]
+                pairs, normals = pairs + [(wall, 6 + k)], normals + [normal]
+                points, friction = points + [place - RADIUS * normal], friction + [wall_mu]
         for other in range(k + 1, len(centres)):
             if np.linalg.norm(centres[other] - place) < 2.001 * RADIUS:
                 pairs, normals = pairs + [(6 + k, 6 + other)], normals + [(centres[other] - place) / (2 * RADIUS)]
@@ -54,7 +56,7 @@ def lattice(mu=0.3, wall_mu=0.2):
 
 def all_of(packing, kt_over_kn=0.5, path="constant", pressure=P0):
     found = shakedown.limits(packing, pressure, DEPTH, kt_over_kn, path)
-    return np.array([found.first_slip, found.shakedown, found.ratchet, found.opening, found.static])
+    return np.array([found.first_slip, found.alternating, found.shakedown, found.ratchet, found.opening, found.static])
 
 
 @pytest.mark.parametrize("mu, kt_over_kn", [(0.1, 0.5), (0.2, 0.5), (0.2, 1.0)])
@@ -66,15 +68,16 @@ def test_a_contact_that_slips_to_and_fro(mu, kt_over_kn, turned):
     b dSigma + turned, which slip can replace by the best, b dSigma - mu. Without springs all holds until that wall is unloaded.
     """
     brake = kt_over_kn / (1 + 2 * kt_over_kn)
-    exact = [(mu - turned) / (brake + mu), 2 * mu / (brake + mu), 2 * mu / (brake + mu), 1, 1]
+    exact = [(mu - turned) / (brake + mu), *[2 * mu / (brake + mu)] * 3, 1, 1]
     assert all_of(single_disk(mu, turned), kt_over_kn, "mean") == pytest.approx(exact, rel=1e-6)
 
 
 @pytest.mark.parametrize("path", PATHS)
 @pytest.mark.parametrize("packing", [lattice(), lattice(0.1, 0.0), corner_pair(0.3, 0.2)], ids=["rough walls", "smooth walls", "pair"])
 def test_limits_are_ordered_and_have_no_units(packing, path):
-    first, shaken, ratchet, opening, static = limits = all_of(packing, path=path)
-    assert 0 < first <= shaken * (1 + 1e-6) and shaken <= min(ratchet, opening) * (1 + 1e-6) and max(ratchet, opening) <= static * (1 + 1e-6)
+    first, alternating, shaken, ratchet, opening, static = limits = all_of(packing, path=path)
+    assert 0 < first <= min(alternating, shaken * (1 + 1e-6)) and shaken <= min(ratchet, opening) * (1 + 1e-6)
+    assert max(ratchet, opening) <= static * (1 + 1e-6)
     forces = {name: 7 * packing[name] for name in ("force_normal", "force_tangential")}
     assert all_of(packing | forces, path=path, pressure=7 * P0) == pytest.approx(limits, rel=1e-6)
     lengths = {name: 3 * packing[name] for name in ("position", "radius", "contact_point", "box")}
@@ -102,7 +105,7 @@ def test_shakedown_found_by_the_slips_themselves(path):
     unknowns = np.block([[cone @ left, np.zeros((2 * count, 1))], [cone @ left, rate[:, None]]])
     result = optimize.linprog(np.append(np.zeros(count), -1), unknowns, np.concatenate([slack, slack]), bounds=(None, None))
     limits = all_of(packing, path=path)
-    assert limits[1] == pytest.approx(-result.fun, rel=1e-6) and limits[1] < 0.99 * limits[2]
+    assert limits[2] == pytest.approx(-result.fun, rel=1e-6) and limits[2] < 0.99 * limits[3]
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -114,7 +117,7 @@ def test_ratchet_limit_is_koiters(path):
     equations = np.block([[cone.T, cone.T, balance.T], [np.zeros(faces), rate, np.zeros(motions)]])
     result = optimize.linprog(np.concatenate([slack, slack, np.zeros(motions)]), None, None, equations, np.append(np.zeros(cone.shape[1]), 1),
                               [(0, None)] * (2 * faces) + [(None, None)] * motions)
-    assert all_of(packing, path=path)[2] == pytest.approx(result.fun, rel=1e-6)
+    assert all_of(packing, path=path)[3] == pytest.approx(result.fun, rel=1e-6)
     opened = balance.T @ result.x[2 * faces:]
     slipped = result.x[:faces] + result.x[faces:2 * faces]
     assert opened[:faces // 2] == pytest.approx(packing["contact_friction"] * (slipped[:faces // 2] + slipped[faces // 2:]), abs=1e-6 * slipped.max())
@@ -129,7 +132,7 @@ def test_a_contact_that_carries_nothing_slips_nowhere():
     packing = lattice()
     more = {name: np.concatenate([packing[name], packing[name][:1]]) for name in packing if name.startswith(("contact_", "force_"))}
     more["force_normal"][-1] = more["force_tangential"][-1] = 0
-    assert all_of(packing | more)[:4] == pytest.approx(all_of(packing)[:4], rel=1e-6)
+    assert all_of(packing | more)[:5] == pytest.approx(all_of(packing)[:5], rel=1e-6)
 
 
 def test_forces_that_do_not_balance_are_refused():
@@ -152,9 +155,9 @@ def write(folder, packing, method="MD", more={}, **row):
 @pytest.mark.parametrize("path", PATHS)
 def test_the_command_prints_the_limits(tmp_path, capsys, path):
     assert command.main(["limits", write(tmp_path, lattice(), stress_path=path)]) == 0
-    first, shaken, ratchet, opening, static = (f"{limit:.4g}" for limit in all_of(lattice(), path=path))
+    first, alternating, shaken, ratchet, opening, static = (f"{limit:.4g}" for limit in all_of(lattice(), path=path))
     assert capsys.readouterr().out.splitlines() == [f"static limit {static}", f"opening limit {opening}", f"ratchet limit {ratchet}",
-                                                    f"shakedown limit {shaken}", f"first slip {first}"]
+                                                    f"shakedown limit {shaken}", f"alternating slip {alternating}", f"first slip {first}"]
 
 
 def test_the_command_tells_what_does_not_apply(tmp_path, capsys):

@@ -10,6 +10,8 @@ Slips s of the contacts leave the forces in balance that their springs can produ
 All is linear in dSigma, so a cone holds for the whole cycle if it holds at both ends, and each limit is a linear programme:
 
 first slip   The elastic forces f0 + dSigma e reach a cone. Below it nothing slips.
+alternating  Some contact, with the R that it has at rest, needs more than the width 2 mu R of its cone for the change of T: it slips to and fro in
+             every cycle. An estimate, since slip elsewhere changes R; where it leaves R alone it is an upper bound of the shakedown limit.
 shakedown    Melan (1938): the largest dSigma with one r, constant in time and such as slip can make, that keeps all forces in their cones. If slip
              ever stops while contacts stay closed, the r that it leaves is one of these. Above the limit slip therefore goes on in every cycle,
              from whatever it started.
@@ -20,14 +22,16 @@ opening      The largest dSigma whose peak has any forces that slip can make, wh
              open at every peak.
 static       statics.limit_loads: forces that balance, without springs.
 
-    first slip <= shakedown <= ratchet <= static,    shakedown <= opening <= static
+    first slip <= shakedown <= ratchet <= static,    shakedown <= opening <= static,    first slip <= alternating
 
 What holds for Coulomb's friction, whose slip does not open contacts (it is not associated):
 - Radenkovic (C. R. Acad. Sci. 252, 4103 (1961)): every load that is carried is statically admissible, so the static limit bounds the true one from
-  above. His bound from below, with contacts of zero dilation, is the static limit of smooth disks: about 0 in dense packings, which are isostatic.
+  above. His bound from below, with contacts of zero dilation, is the static limit of smooth disks: dSigma of 0.06 to 0.14 in the dense
+  packings of seeds 1 to 5; loose packings without friction do not even carry P0.
 - "Slip goes on above the shakedown limit" is a necessary condition of rest and needs no flow rule. The converse, Melan's theorem proper, fails where
   slip changes the normal forces (Klarbring, Ciavarella and Barber, Int. J. Solids Struct. 44, 8355 (2007); uncoupled contacts are the exception):
-  below the limit slip may stop or go on, as the initial forces decide.
+  below the limit slip may stop or go on, as the initial forces decide. In packings of 100 disks MD slips on from about `alternating`, far below
+  `shakedown`: residual forces that press a weak contact enough exist, but slip does not lead to them.
 - Above `ratchet` slip goes on whatever residual forces there are, such as contacts that opened for a time may leave. That a mechanism progresses
   is proved for the associated rule only: by Coulomb's a contact may slip to and fro for ever without any net motion. `is_rigid` tells whether net
   strain is possible at all while contacts stay closed.
@@ -51,6 +55,7 @@ AT_REST = 1e-2  # largest of statics.violations for forces that count as those o
 class Limits:
     """The limits above, each as dSigma = sigma2/P0 - 1 of one stress path."""
     first_slip: float
+    alternating: float
     shakedown: float
     ratchet: float
     opening: float
@@ -74,11 +79,21 @@ def limits(snapshot, pressure, depth, kt_over_kn, stress_path="constant"):
     faces = _faces(packing["contact_friction"])
     slack, outward = np.maximum(-faces @ forces, 0) / scale, faces @ change / scale
     made, any_balanced = _made_by_slip(packing, balance), _with_friction(packing)
-    both_ends = np.maximum(outward, 0)
-    towards = outward > 0
-    return Limits(first_slip=float(np.min(slack[towards] / outward[towards], initial=np.inf)),
+    both_ends, rough = np.maximum(outward, 0), np.count_nonzero(packing["contact_friction"])
+
+    def width(values):
+        """Return the sum of the two faces of each cone."""
+        return values[:rough] + values[rough:2 * rough]
+
+    return Limits(first_slip=_reached(slack, outward), alternating=_reached(width(slack), width(both_ends)),
                   shakedown=_largest(faces, slack, both_ends, made, balance), ratchet=_largest(faces, slack, both_ends, any_balanced, balance),
                   opening=_largest(faces, slack, outward, made, balance), static=static)
+
+
+def _reached(slack, outward):
+    """Return the least s > 0 at which some s outward exceeds its slack."""
+    towards = outward > 0
+    return float(np.min(slack[towards] / outward[towards], initial=np.inf))
 
 
 def elastic_change(packing, load, kt_over_kn):
