@@ -9,7 +9,7 @@ from analysis import __main__ as command
 from tests.analysis import conftest
 from tests.analysis.test_statics import DEPTH, P0, RADIUS, diagonal_pair
 from yade_scripts.results import schema
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 from yade_scripts.theory import shakedown, statics
 
 PATHS = "constant", "mean"

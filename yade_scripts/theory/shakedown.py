@@ -44,7 +44,7 @@ import numpy as np
 from scipy import optimize, sparse
 from scipy.sparse import linalg
 
-from yade_scripts.results.reader import ResultError
+from yade_scripts.errors import ResultError
 from yade_scripts.theory import statics
 
 SOFT = 1e-15  # springs, over the stiffest, that hold what no contact holds
