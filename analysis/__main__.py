@@ -14,6 +14,11 @@ from yade_scripts.results import provenance, reader
 from yade_scripts.running import queue
 
 FIGURES = reader.RESULTS.parent / "figures"
+LIMITS = ("the loads dSigma at which cycles on the run's stress path set slip going in its packing of springs, and keep it going: the static limit, "
+          "the largest load that the contacts carry at all; the opening limit, above which contacts must open in every cycle; the ratchet limit, "
+          "above which slips that open their contacts must ratchet; the shakedown limit, above which slip goes on in every cycle; alternating slip, "
+          "the load from which a contact slips to and fro at the normal force that it has at rest; and the first slip "
+          "(yade_scripts/theory/shakedown.py says what each proves)")
 BAD = 1  # exit status of `check` for a bad file, or for files of several commits
 
 
@@ -59,6 +64,7 @@ def _parser():
     advice.add_argument("--accuracy", type=commands.positive, default=1e-3, help="relative error to be reached (default: %(default)g)")
     advice.add_argument("--measured", metavar="FILE",
                         help="by these measurements: a work_precision.csv, which `charts` writes (default: the published ones)")
+    command("limits", _limits, LIMITS).add_argument("file", metavar="FILE", help="result file of a run of a packing under walls")
     for name, run, what in (("summary", _summary, "one line of numbers for each run"), ("check", _check, "tell which result files can be used")):
         command(name, run, what).add_argument("files", nargs="+", metavar="FILE", help="result files")
     return parser
@@ -153,6 +159,17 @@ def _recommend(options):
     measured = options.measured or table.PUBLISHED
     print("\n".join(recommend.of_scene(options.scene, options.accuracy, measured) if options.scene else
                     recommend.by_kind(options.accuracy, measured)))
+
+
+def _limits(options):
+    from analysis import limits
+    run = reader.load_named(options.file)
+    found = limits.of_cycles(run)
+    for name in ("static", "opening", "ratchet", "shakedown"):
+        print(f"{name} limit {getattr(found, name):.4g}")
+    print(f"alternating slip {found.alternating:.4g}", f"first slip {found.first_slip:.4g}", sep="\n")
+    if run.method == "CD":
+        print("Rigid grains have the static limit only; the others are those of springs that carry the forces of the first snapshot.")
 
 
 def _summary(options):

@@ -44,6 +44,11 @@ def wall_loads(snapshot, stresses, depth):
     return load
 
 
+def rising_load(snapshot, pressure, depth, stress_path):
+    """Return by how much the loads [N] on the free bodies change when sigma2 rises by P0 [Pa], which is a dSigma of 1, along a stress path."""
+    return wall_loads(snapshot, {"constant": (0, pressure), "mean": (-pressure, pressure)}[stress_path], depth)
+
+
 def violations(snapshot, normal, tangential, load):
     """Return how far networks (R and T, one row each, [N]) are from admissible: three columns, over the network's mean R.
 
@@ -78,13 +83,13 @@ def limit_loads(snapshot, pressure, depth, stress_path="constant"):
     """Return (least, largest) sigma2/P0 at which the contacts admit any forces under sigma1 = P0: the static theorem of limit analysis.
 
     stress_path: "mean" for sigma1 = 2 P0 - sigma2.
-    Beyond these loads rigid contacts cannot hold the sample in its present geometry. Between them they need not hold it, since Coulomb's friction is
-    not associated.
+    Beyond these loads rigid contacts cannot hold the sample in its present geometry. Between them they need not hold it: Coulomb's friction is not
+    associated, so that the largest is only an upper bound of the load that is carried (Radenkovic 1961).
     """
     if not np.isfinite(snapshot["box"]).all():
         raise ResultError("a snapshot", "no walls are loaded in it", "take a run of a packing under P0")
-    paths = {"constant": ((pressure, 0), (0, pressure)), "mean": ((2 * pressure, 0), (-pressure, pressure))}
-    constant, rising = (wall_loads(snapshot, stresses, depth) for stresses in paths[stress_path])
+    rising = rising_load(snapshot, pressure, depth, stress_path)
+    constant = wall_loads(snapshot, (pressure, pressure), depth) - rising
     goal = np.zeros(2 * len(snapshot["contact_ids"]) + 1)
     goal[-1] = 1
     return _extremes(snapshot, goal, constant, rising)
