@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace cd_engine {
 namespace {
+
+	// Bits of State.blockedDOFs.
+	constexpr unsigned dofZ = 4, rotX = 8, rotY = 16;
 
 	// Whether both refer to the same body. A new body may get the address of an old one, but not its reference count, which exists as long as the
 	// old body is remembered here.
@@ -32,6 +36,26 @@ namespace {
 		torque = any ? py::extract<Vector3r>(lasting.attr("permT")(id))() : Vector3r::Zero();
 	}
 
+	// None if a shape is none of the three. The address of a shape identifies nothing, because a new shape may get the address of an old one.
+	std::optional<cd::ShapeKind> kindOf(const void* shape)
+	{
+		static Kind isSphere { "Sphere", Kind::exactly }, isBox { "Box", Kind::exactly }, isWall { "Wall", Kind::exactly };
+		if (isSphere(shape))
+			return cd::ShapeKind::disk;
+		if (isBox(shape))
+			return cd::ShapeKind::box;
+		return isWall(shape) ? std::optional(cd::ShapeKind::wall) : std::nullopt;
+	}
+
+	[[noreturn]] void refuseShape(int id, const void* shape)
+	{
+		// A clump is a body itself. Its id comes after those of its members, which need no test of their own for this.
+		const std::string name = className(shape);
+		if (name == "Clump")
+			refuseBody(id, "is a clump", releaseClump);
+		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
+	}
+
 } // namespace
 
 // Prefetches the memory lines of a body's objects that a step reads.
@@ -52,7 +76,7 @@ void SceneLink::findLayer(yade::BodyContainer& container)
 	layerId = -1;
 	for (std::size_t id = 0; id < container.size() && layerId < 0; id++) {
 		const Shared<yade::Body>& body = container[id];
-		if (!body || !body_state(body) || !body_shape(body) || kindOf(body_shape(body).get()) != static_cast<int>(cd::ShapeKind::disk))
+		if (!body || !body_state(body) || !body_shape(body) || kindOf(body_shape(body).get()) != cd::ShapeKind::disk)
 			continue;
 		layerId = static_cast<int>(id);
 		layer = state_pos(body_state(body))[2];
@@ -81,8 +105,8 @@ void SceneLink::checkMotion(int id)
 	if ((state_blockedDOFs(state) & outside) != outside) {
 		if (body_clumpId(bodies[id].body) >= 0)
 			refuseBody(id, "belongs to a clump", releaseClump);
-		if (kindOf(bodies[id].shape) < 0)
-			readShape(id, world.bodies[id]); // refuses it: to set its freedoms would not help
+		if (!kindOf(bodies[id].shape))
+			refuseShape(id, bodies[id].shape); // to set its freedoms would not help
 		refuseBody(id, "is free to leave the x-y plane, in which a scene lies",
 		    "Set O.bodies[#].state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
 	}
@@ -131,59 +155,37 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	body.force[2] = torque[2];
 }
 
-// Which of cd::ShapeKind a shape is, -1: none of them. The address of a shape identifies nothing, because a new shape may get the address of an old
-// one.
-int SceneLink::kindOf(const void* shape)
+// Reads class, size and orientation of the shape, any of which may change at any time. Returns whether it is in the plane of the disks.
+bool SceneLink::readShape(int id, cd::Body& body)
 {
-	static Kind kinds[] = { { "Sphere", Kind::exactly }, { "Box", Kind::exactly }, { "Wall", Kind::exactly } };
-	const auto found = std::find_if(std::begin(kinds), std::end(kinds), [&](Kind& isKind) { return isKind(shape); });
-	return found == std::end(kinds) ? -1 : static_cast<int>(found - kinds);
-}
-
-// Reads class, size and orientation of the shape, any of which may change at any time.
-void SceneLink::readShape(int id, cd::Body& body)
-{
-	KnownBody& known = bodies[id];
-	const int found = kindOf(known.shape);
-	if (found < 0) {
-		// A clump is a body itself. Its id comes after those of its members, which need no test of their own for this.
-		const std::string name = className(known.shape);
-		if (name == "Clump")
-			refuseBody(id, "is a clump", releaseClump);
-		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
-	}
-	const auto kind = static_cast<cd::ShapeKind>(found);
+	const auto kind = kindOf(bodies[id].shape);
+	if (!kind)
+		refuseShape(id, bodies[id].shape);
 	cd::Shape& shape = world.shapes[id];
-	if (shape.kind != kind) {
+	if (shape.kind != *kind) {
 		shape = {};
-		shape.kind = kind;
+		shape.kind = *kind;
 	}
-	known.boundary = kind != cd::ShapeKind::disk;
 	body.radius = 0;
-	if (kind == cd::ShapeKind::disk)
-		readDisk(id, body);
-	else if (kind == cd::ShapeKind::box)
-		readBox(id, shape);
-	else
-		readWall(id, shape);
+	return *kind == cd::ShapeKind::disk ? readDisk(id, body) : *kind == cd::ShapeKind::box ? readBox(id, shape) : readWall(id, shape);
 }
 
-void SceneLink::readDisk(int id, cd::Body& body)
+bool SceneLink::readDisk(int id, cd::Body& body)
 {
-	KnownBody& known = bodies[id];
+	const KnownBody& known = bodies[id];
 	const double z = state_pos(known.state)[2], radius = sphere_radius(known.shape);
 	if (!(radius > 0 && std::isfinite(radius)))
 		refuseBody(id, text("has the radius ", radius, " m"), "Set O.bodies[#].shape.radius to a positive number");
 	if (!(std::abs(z - layer) <= 1e-9 * radius))
 		refuseBody(id, text("has z = ", z, " m but body #", layerId, " has z = ", layer, " m"),
 		    "Put all disks in one plane: set the third component of their state.pos");
-	known.inPlane = true;
 	body.radius = radius;
+	return true;
 }
 
-void SceneLink::readBox(int id, cd::Shape& shape)
+bool SceneLink::readBox(int id, cd::Shape& shape)
 {
-	KnownBody& known = bodies[id];
+	const KnownBody& known = bodies[id];
 	const Vector3r& extents = box_extents(known.shape);
 	if (!extents.allFinite() || extents[0] < 0 || extents[1] < 0 || extents[2] < 0)
 		refuseBody(id, text("is a box with the extents ", extents[0], ", ", extents[1], ", ", extents[2], " m"),
@@ -194,11 +196,11 @@ void SceneLink::readBox(int id, cd::Shape& shape)
 		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: O.bodies[#].state.ori");
 	if (!(norm > 0.5 && norm < 2))
 		refuseBody(id, "has an orientation that is not a rotation", "Set O.bodies[#].state.ori to a unit quaternion");
-	// A box that the disks' plane does not cut (a front or back wall) is never touched.
-	known.inPlane = layerId < 0 || std::abs(state_pos(known.state)[2] - layer) <= extents[2] * (1 + 1e-9);
 	shape.ex = extents[0];
 	shape.ey = extents[1];
 	orient(id);
+	// A box that the disks' plane does not cut (a front or back wall) is never touched.
+	return layerId < 0 || std::abs(state_pos(known.state)[2] - layer) <= extents[2] * (1 + 1e-9);
 }
 
 // Computes the orientation of a box in the plane.
@@ -211,9 +213,9 @@ void SceneLink::orient(int id)
 }
 
 // A wall is as wide as the plane, so it has no point to turn about.
-void SceneLink::readWall(int id, cd::Shape& shape)
+bool SceneLink::readWall(int id, cd::Shape& shape)
 {
-	KnownBody& known = bodies[id];
+	const KnownBody& known = bodies[id];
 	const double spin = state_angVel(known.state)[2];
 	if (spin != 0)
 		refuseBody(id, text("is a wall with the angular velocity ", spin, " rad/s about z"),
@@ -227,7 +229,7 @@ void SceneLink::readWall(int id, cd::Shape& shape)
 		    "Set O.bodies[#].shape.axis to 0 or 1, the axis it is perpendicular to (2: before or behind the plane, never touched)");
 	if (shape.sense < -1 || shape.sense > 1)
 		refuseBody(id, text("is a wall with the sense ", shape.sense), "Set O.bodies[#].shape.sense to -1, 0 or 1");
-	known.inPlane = shape.axis != 2;
+	return shape.axis != 2;
 }
 
 void SceneLink::readFriction(int id, void* mat)
@@ -240,7 +242,7 @@ void SceneLink::readFriction(int id, void* mat)
 	    std::find(materials.begin(), materials.end(), vtable) == materials.end()) {
 		materials.push_back(vtable);
 		if (const std::string name = className(mat); name != "FrictMat")
-			tell(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
+			warnOnce(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
 			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));
 	}
 	const double angle = frictMat_frictionAngle(mat);
@@ -255,19 +257,22 @@ void SceneLink::readFriction(int id, void* mat)
 }
 
 // Warns if somebody sets the position of a body without that freedom step by step, since no disk sees it come. Once or twice may be a new beginning.
-void SceneLink::tellOfPlacing(int id, bool same, double x, double y, long step)
+// x, y: where the same body was after the last step.
+void SceneLink::warnOfPlacing(int id, double x, double y, long step)
 {
 	constexpr int often = 3, apart = 100; // steps between two moves from which on a scene is rather set up anew
 	const cd::Body& b = world.bodies[id];
-	const bool placed = same && ((b.x != x && b.inverseMass[0] == 0 && b.v[0] == 0) || (b.y != y && b.inverseMass[1] == 0 && b.v[1] == 0));
-	const bool again = step - bodies[id].placedAt < apart;
-	bodies[id].placed = !placed ? 0 : again ? std::min(bodies[id].placed + 1, often) : 1;
-	if (placed)
-		bodies[id].placedAt = step;
-	if (bodies[id].placed < often)
+	KnownBody& known = bodies[id];
+	if ((b.x == x || b.inverseMass[0] != 0 || b.v[0] != 0) && (b.y == y || b.inverseMass[1] != 0 || b.v[1] != 0)) {
+		known.placed = 0;
+		return;
+	}
+	known.placed = step - known.placedAt < apart ? std::min(known.placed + 1, often) : 1;
+	known.placedAt = step;
+	if (known.placed < often)
 		return;
 	placesBoundaries = true;
-	tell(text("body #", id, " is moved by its position while its velocity is 0: Contact Dynamics sees velocities only."),
+	warnOnce(text("body #", id, " is moved by its position while its velocity is 0: Contact Dynamics sees velocities only."),
 	    text("It came by ", std::hypot(b.x - x, b.y - y), " m since the last step and cuts into what is there. Set O.bodies[", id,
 		"].state.vel instead, in an engine before ContactDynamics."));
 }
@@ -288,6 +293,7 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 	if (!same) {
 		known.identity = body;
 		known.came = step;
+		known.placed = 0;
 	}
 	known.body = body.get();
 	known.state = body_state(body).get();
@@ -299,13 +305,14 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 		refuseBody(id, "has no shape", "Set O.bodies[#].shape to a Sphere, Box or Wall, or erase the body");
 	checkMotion(id);
 	std::copy_n(&state_ori(known.state), 4, orientations[id].data());
-	readShape(id, world.bodies[id]);
+	const bool inPlane = readShape(id, world.bodies[id]);
 	readFriction(id, body_material(body).get());
 	const double x = world.bodies[id].x, y = world.bodies[id].y;
 	readMotion(id, world.bodies[id], forces);
 	constexpr int bounded = 1; // YADE's bit of Body.flags
-	world.masks[id] = known.inPlane && (body_flags(body) & bounded) != 0 ? body_groupMask(body) : 0;
-	tellOfPlacing(id, same && world.masks[id] != 0, x, y, step);
+	world.masks[id] = inPlane && (body_flags(body) & bounded) != 0 ? body_groupMask(body) : 0;
+	if (same && world.masks[id] != 0)
+		warnOfPlacing(id, x, y, step);
 }
 
 void SceneLink::gatherBodies(yade::Scene* scene)
@@ -328,10 +335,9 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 	for (int id = 0; id < count; id++) {
 		if (id + ahead < count)
 			prefetchBody(bodies[id + ahead]);
-		const KnownBody& known = bodies[id];
-		const bool boundary = known.boundary, inPlane = known.inPlane;
+		const bool boundary = isBoundary(world.bodies[id]), joins = world.masks[id] != 0;
 		readBody(id, container[id], forces, scene_iter(scene));
-		changed = changed || known.boundary != boundary || known.inPlane != inPlane;
+		changed = changed || isBoundary(world.bodies[id]) != boundary || (world.masks[id] != 0) != joins;
 	}
 	outdated = changed || !gone.empty();
 }

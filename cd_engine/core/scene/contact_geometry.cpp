@@ -1,5 +1,5 @@
 // Where a disk touches a boundary: a box turned in the plane, an axis-parallel wall.
-#include "scene/world.hpp"
+#include "scene/contact_geometry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +71,7 @@ namespace {
 
 Half halfSides(const Body& body, const Shape& shape)
 {
-	if (body.radius > 0)
+	if (!isBoundary(body))
 		return { body.radius, body.radius };
 	if (shape.kind == ShapeKind::wall)
 		return { shape.axis == 0 ? 0 : endless, shape.axis == 1 ? 0 : endless };

@@ -4,9 +4,9 @@
 // boundaries that no force moves are hidden, because where other boundaries are at the end of a step is known only when it is solved.
 #pragma once
 
+#include "scene/contact_geometry.hpp"
 #include "scene/world.hpp"
 
-#include <cstdint>
 #include <vector>
 
 namespace cd {

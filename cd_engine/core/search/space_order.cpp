@@ -34,7 +34,7 @@ namespace {
 	{
 		double left = std::numeric_limits<double>::infinity(), bottom = left, right = -left, top = -left;
 		for (const Body& b : bodies)
-			if (b.radius > 0) {
+			if (!isBoundary(b)) {
 				left = std::min(left, b.x);
 				bottom = std::min(bottom, b.y);
 				right = std::max(right, b.x);
@@ -44,7 +44,7 @@ namespace {
 		const auto cell = [&](double from, double x) { return static_cast<uint32_t>(scale * (x - from)); };
 		std::vector<std::pair<uint32_t, int>> places;
 		for (std::size_t i = 0; i < bodies.size(); i++)
-			if (bodies[i].radius > 0)
+			if (!isBoundary(bodies[i]))
 				places.emplace_back(alongCurve(cell(left, bodies[i].x), cell(bottom, bodies[i].y)), static_cast<int>(i));
 		std::sort(places.begin(), places.end());
 		std::vector<int> disks;
@@ -68,7 +68,7 @@ namespace {
 	{
 		std::vector<int> disks(bodies.size(), none);
 		for (std::size_t i = 0; i < bodies.size(); i++) {
-			if (!(bodies[i].radius > 0) || rank[i] == none)
+			if (isBoundary(bodies[i]) || rank[i] == none)
 				continue;
 			if (rank[i] < 0 || static_cast<std::size_t>(rank[i]) >= disks.size())
 				return std::numeric_limits<double>::infinity();
