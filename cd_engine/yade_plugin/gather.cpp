@@ -131,16 +131,17 @@ void SceneLink::takeReferences(const Memory& memory, bool all)
 {
 	world.listing++;
 	std::size_t touching = 0;
+	const auto isGone = [this](int id) { return std::binary_search(gone.begin(), gone.end(), id); };
 	for (std::size_t k = 0; k < world.pairs.size(); k++) {
 		cd::Pair& pair = world.pairs[k];
 		if (all || search.from()[k] < 0)
-			pair.reference = memory.overlaps.of(pair.a, pair.b);
+			pair.reference = isGone(pair.a) || isGone(pair.b) ? 0 : memory.overlaps.of(pair.a, pair.b);
 		touching += pair.reference > 0;
 	}
 	if (inspecting || touching == memory.overlaps.overlaps.size())
 		return;
 	const std::lock_guard<std::mutex> lock(memory.lock);
-	collectOverlaps(memory.overlaps); // leaves out those of bodies that somebody has moved apart
+	collectOverlaps(memory.overlaps); // leaves out those of bodies that are gone or that somebody has moved apart
 }
 
 // read: whether the scene has been read; searched: whether the list of pairs is new; reordered: whether its order is new.
@@ -250,10 +251,8 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	bool reordered;
 	{
 		const std::lock_guard<std::mutex> lock(memory.lock);
-		memory.overlaps.forgetBodies(gone);
 		reordered = cd::renewOrder(world, memory.order, checksOrder);
 	}
-	gone.clear();
 	if (unpublished && reordered)
 		publishScene(scene, step); // the pairs are then read from it in their new order
 	const bool searched = search.needed(world, dt, margin, outran, &step.threads) || reordered;
@@ -262,6 +261,7 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 		warnOfUnheldBoundaries(dt);
 	}
 	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
+	gone.clear();
 	if (read || searched)
 		setFriction(step.threads);
 }

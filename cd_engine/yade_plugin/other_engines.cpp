@@ -12,13 +12,26 @@ namespace {
 	Kind isPeriodic { "PeriodicEngine" };
 	enum class Does { nothing, drives, moves, pushes, conflicts }; // drives: only sets velocities, by the positions of its bodies
 
+	const std::string remove = ". Remove it or set its dead=True";
+	const std::string servo = " moves walls until springs carry their loads; rigid bodies have no springs" + remove
+	    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
+
 	// What YADE's engines do to a scene, by the first of these classes that is theirs or a base of theirs. No engine says whether it writes to
-	// interactions, and those that do overwrite the forces of rigid contacts. So an engine of another class conflicts.
-	const struct {
+	// interactions, and those that do overwrite the forces of rigid contacts. So an engine of any other class conflicts.
+	const struct Known {
 		Does does;
 		std::vector<const char*> classes;
+		std::string why {}; // it conflicts, and what to do
 	} known[] = {
-		{ Does::conflicts, { "NewtonIntegrator", "TimeStepper", "BoundaryController", "ServoPIDController" } },
+		// No advice to set this one dead: utils.unbalancedForce() adds its gravity to forces that contain the weights.
+		{ Does::conflicts, { "NewtonIntegrator" }, " is also among O.engines and would move the bodies a second time. Remove it" },
+		{ Does::conflicts, { "ContactDynamics" }, " is also among O.engines and would move the bodies a second time" + remove },
+		{ Does::conflicts, { "InteractionLoop" },
+		    " is also among O.engines and would add spring forces to the bodies a second time" + remove },
+		{ Does::conflicts, { "ParallelEngine" },
+		    " hides the engines in it, some of which may not work with Contact Dynamics. Put them into O.engines, one after the other" },
+		{ Does::conflicts, { "TimeStepper" }, " sets O.dt by the stiffness of springs, which rigid bodies do not have" + remove },
+		{ Does::conflicts, { "BoundaryController", "ServoPIDController" }, servo },
 		{ Does::moves, { "HelixEngine" } },
 		{ Does::drives, { "RotationEngine", "TranslationEngine", "HarmonicMotionEngine" } },
 		{ Does::moves, { "KinematicEngine", "CombinedKinematicEngine" } },
@@ -29,55 +42,32 @@ namespace {
 		{ Does::nothing, // as far as it can be known: PyRunner, a PeriodicEngine, does what the user wants
 		    { "PeriodicEngine", "Collider", "BoundDispatcher", "ForceResetter", "SpheresFactory", "StepDisplacer", "TimeAverager",
 			"TesselationWrapper", "MicroMacroAnalyser", "FacetTopologyAnalyzer" } },
+		{ Does::conflicts, { "Engine" },
+		    " may write to contacts, as laws of springs do, and so overwrite the forces of rigid contacts" + remove },
 	};
 
-	Does whatDoes(const std::string& name)
+	const Known& find(const std::string& name)
 	{
-		for (const auto& [does, classes] : known)
-			if (std::any_of(classes.begin(), classes.end(), [&](const char* base) { return isA(name, base); }))
-				return does;
-		return Does::conflicts;
-	}
-
-	// Why an engine conflicts with Contact Dynamics, and what to do.
-	std::string conflict(const std::string& name)
-	{
-		const std::string remove = ". Remove it or set its dead=True";
-		// No advice to set this one dead: utils.unbalancedForce() adds its gravity to forces that contain the weights.
-		if (name == "NewtonIntegrator")
-			return " is also among O.engines and would move the bodies a second time. Remove it";
-		if (name == "ContactDynamics")
-			return " is also among O.engines and would move the bodies a second time" + remove;
-		if (name == "InteractionLoop")
-			return " is also among O.engines and would add spring forces to the bodies a second time" + remove;
-		if (name == "ParallelEngine")
-			return " hides the engines in it, some of which may not work with Contact Dynamics. Put them into O.engines, one after the "
-			       "other";
-		if (isA(name, "TimeStepper"))
-			return " sets O.dt by the stiffness of springs, which rigid bodies do not have" + remove;
-		if (isA(name, "BoundaryController") || isA(name, "ServoPIDController"))
-			return " moves walls until springs carry their loads; rigid bodies have no springs" + remove
-			    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
-		return " may write to contacts, as laws of springs do, and so overwrite the forces of rigid contacts" + remove;
+		return *std::find_if(std::begin(known), std::end(known) - 1, [&](const Known& of) {
+			return std::any_of(of.classes.begin(), of.classes.end(), [&](const char* base) { return isA(name, base); });
+		});
 	}
 
 	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics. reset: a
 	// ForceResetter stands before it. weighs: Contact Dynamics adds the weights.
-	std::string refusal(const std::string& name, bool before, bool reset, bool weighs)
+	std::string refusal(const std::string& name, const Known& of, bool before, bool reset, bool weighs)
 	{
-		const Does does = whatDoes(name);
-		if (does == Does::conflicts)
-			return name + conflict(name);
+		if (of.does == Does::conflicts)
+			return name + of.why;
 		const bool doubled = name == "GravityEngine" && weighs;
-		if (does == Does::pushes && (!before || !reset))
+		if (of.does == Does::pushes && (!before || !reset))
 			return name + " stands " + (before ? "before ForceResetter" : "after ContactDynamics")
 			    + " in O.engines, so ForceResetter clears its forces before they act. "
 			    + (doubled ? "Remove it, because the attribute `gravity` acts in its place"
 				       : "Put it between ForceResetter and ContactDynamics");
-		return doubled
-		    ? "both GravityEngine and the attribute `gravity` would act on the bodies, so that each would weigh twice. Remove it or set "
-		      "its dead=True, or set gravity=(0, 0, 0)"
-		    : "";
+		return doubled ? "both GravityEngine and the attribute `gravity` would act on the bodies, so that each would weigh twice" + remove
+			+ ", or set gravity=(0, 0, 0)"
+			       : "";
 	}
 
 	// Whether an engine runs, or may run, in the step `iteration`, which begins at `time`. As in YADE's PeriodicEngine::isActivated.
@@ -128,8 +118,8 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	const Shared<yade::Engine> found = colliderOf(scene);
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
-		const Does does = whatDoes(name);
-		Other other { engine.get(), engine->dead, engine.get() == self || engine == found, before, does == Does::drives };
+		const Known& of = find(name);
+		Other other { engine.get(), engine->dead, engine.get() == self || engine == found, before, of.does == Does::drives };
 		needed = needed || isA(name, "SpheresFactory");
 		if (engine.get() == self) {
 			if (!std::exchange(before, false))
@@ -139,9 +129,9 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 		} else if (engine != found) {
 			other.ignored = name == "ForceResetter";
 			resets = resets || (before && other.ignored);
-			if (!before && (does == Does::drives || does == Does::moves))
+			if (!before && (of.does == Does::drives || of.does == Does::moves))
 				late = name;
-			if (const std::string reason = refusal(name, before, resets, weighs); !reason.empty())
+			if (const std::string reason = refusal(name, of, before, resets, weighs); !reason.empty())
 				problem = reason;
 		}
 		seen.push_back(other);
@@ -175,10 +165,6 @@ void OtherEngines::wakeUnsorted()
 		collider_doSort(collider) = true;
 }
 
-int32_t OtherEngines::maskApart() const { return maskOf(collider); }
-
-int32_t OtherEngines::maskOf(const Shared<yade::Engine>& collider) { return collider ? collider_avoidSelfInteractionMask(collider) : 0; }
-
 bool OtherEngines::observe(yade::Scene* scene) const
 {
 	const long iteration = scene_iter(scene);
@@ -201,10 +187,8 @@ const std::vector<int>& OtherEngines::drivenBodies()
 {
 	driven.clear();
 	for (const Other& other : others)
-		if (other.drives && !other.dead) {
-			const std::vector<int>& ids = partial_ids(other.engine);
-			driven.insert(driven.end(), ids.begin(), ids.end());
-		}
+		if (other.drives && !other.dead)
+			driven.insert(driven.end(), partial_ids(other.engine).begin(), partial_ids(other.engine).end());
 	return driven;
 }
 

@@ -39,8 +39,8 @@ class OtherEngines {
 	// misses pairs for ever; therefore it sorts them anew.
 	void wakeUnsorted();
 	// The avoidSelfInteractionMask (cd::World::apart) of the collider at the last check, and of any; 0 without one.
-	int32_t maskApart() const;
-	static int32_t maskOf(const Shared<yade::Engine>& collider);
+	int32_t maskApart() const { return maskOf(collider); }
+	static int32_t maskOf(const Shared<yade::Engine>& collider) { return collider ? collider_avoidSelfInteractionMask(collider) : 0; }
 	// The first collider in the scene's list of engines; null: there is none.
 	static Shared<yade::Engine> colliderOf(yade::Scene*);
 

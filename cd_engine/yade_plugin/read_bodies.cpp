@@ -9,9 +9,6 @@
 namespace cd_engine {
 namespace {
 
-	// Bits of State.blockedDOFs.
-	constexpr unsigned dofZ = 4, rotX = 8, rotY = 16;
-
 	// Whether both refer to the same body. A new body may get the address of an old one, but not its reference count, which exists as long as the
 	// old body is remembered here.
 	bool isSame(const boost::weak_ptr<yade::Body>& known, const Shared<yade::Body>& now)
@@ -61,7 +58,7 @@ namespace {
 // Prefetches the memory lines of a body's objects that a step reads.
 void prefetchBody(const KnownBody& known)
 {
-	if (!known.exists)
+	if (!known.body)
 		return;
 	prefetch(known.body, { body_material, body_shape });
 	prefetch(known.shape, { 0, sphere_radius });
@@ -101,7 +98,7 @@ void SceneLink::checkMotion(int id)
 	mustBeFinite(id, "a position", position);
 	mustBeFinite(id, "a velocity", velocity);
 	mustBeFinite(id, "an angular velocity", spin);
-	constexpr unsigned outside = dofZ | rotX | rotY;
+	constexpr unsigned outside = ~(dofs[0] | dofs[1] | dofs[2]) & 63; // z and the rotations about x and y
 	if ((state_blockedDOFs(state) & outside) != outside) {
 		if (body_clumpId(bodies[id].body) >= 0)
 			refuseBody(id, "belongs to a clump", releaseClump);
@@ -116,10 +113,8 @@ void SceneLink::checkMotion(int id)
 
 void SceneLink::readVelocity(int id, cd::Body& body) const
 {
-	const Vector3r& velocity = state_vel(bodies[id].state);
-	body.v[0] = velocity[0];
-	body.v[1] = velocity[1];
-	body.v[2] = state_angVel(bodies[id].state)[2];
+	for (int k = 0; k < cd::Plane::freedoms; k++)
+		body.v[k] = velocityOf(bodies[id].state, k);
 }
 
 void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces) const
@@ -131,7 +126,7 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	readVelocity(id, body);
 
 	const unsigned blocked = state_blockedDOFs(state);
-	const bool moves = !(blocked & dofX) || !(blocked & dofY), turns = !(blocked & rotZ);
+	const bool moves = (blocked & dofs[0]) == 0 || (blocked & dofs[1]) == 0, turns = (blocked & dofs[2]) == 0;
 	const double mass = state_mass(state), inertia = state_inertia(state)[2];
 	if (moves && !(mass > 0 && std::isfinite(mass)))
 		refuseBody(id, text("is free to move but has the mass ", mass, " kg"),
@@ -139,10 +134,9 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	if (turns && !(inertia > 0 && std::isfinite(inertia)))
 		refuseBody(id, text("is free to turn but has the moment of inertia ", inertia, " kg m^2 about z"),
 		    "Set O.bodies[#].state.inertia, or block 'Z'");
-	body.inverseMass[0] = blocked & dofX ? 0 : 1 / mass;
-	body.inverseMass[1] = blocked & dofY ? 0 : 1 / mass;
-	body.inverseMass[2] = blocked & rotZ ? 0 : 1 / inertia;
-	std::fill_n(body.force, 3, 0.);
+	for (int k = 0; k < cd::Plane::freedoms; k++)
+		body.inverseMass[k] = blocked & dofs[k] ? 0 : 1 / (k < cd::Plane::components ? mass : inertia);
+	std::fill_n(body.force, cd::Plane::freedoms, 0.);
 	if (!moves && !turns)
 		return;
 	Vector3r force = forces.getForce(id), torque = forces.getTorque(id);
@@ -220,7 +214,7 @@ bool SceneLink::readWall(int id, cd::Shape& shape)
 	if (spin != 0)
 		refuseBody(id, text("is a wall with the angular velocity ", spin, " rad/s about z"),
 		    "Set O.bodies[#].state.angVel to 0, or use a Box, which can turn");
-	if (!(state_blockedDOFs(known.state) & rotZ))
+	if (!(state_blockedDOFs(known.state) & dofs[2]))
 		refuseBody(id, "is a wall that is free to turn about z", "Block 'Z' in O.bodies[#].state.blockedDOFs, or use a Box, which can turn");
 	shape.axis = wall_axis(known.shape);
 	shape.sense = wall_sense(known.shape);
@@ -281,8 +275,8 @@ void SceneLink::warnOfPlacing(int id, double x, double y, long step)
 void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceContainer& forces, long step)
 {
 	KnownBody& known = bodies[id];
-	const bool same = known.exists && isSame(known.identity, body);
-	if (known.exists && !same)
+	const bool same = known.body && isSame(known.identity, body);
+	if (known.body && !same)
 		gone.push_back(id);
 	if (!body) {
 		known = KnownBody();
@@ -298,7 +292,6 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 	known.body = body.get();
 	known.state = body_state(body).get();
 	known.shape = body_shape(body).get();
-	known.exists = true;
 	if (!known.state)
 		refuseBody(id, "has no state", "Give it one: O.bodies[#].state=State()");
 	if (!known.shape)
@@ -324,8 +317,6 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 	const int count = static_cast<int>(container.size());
 	bool changed = outdated || bodies.size() != container.size();
 	outdated = true; // stays true if a body is refused
-	for (std::size_t id = container.size(); id < bodies.size(); id++)
-		gone.push_back(static_cast<int>(id));
 	bodies.resize(count);
 	orientations.resize(count);
 	world.bodies.resize(count);
@@ -339,6 +330,7 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 		readBody(id, container[id], forces, scene_iter(scene));
 		changed = changed || isBoundary(world.bodies[id]) != boundary || (world.masks[id] != 0) != joins;
 	}
+	std::sort(gone.begin(), gone.end());
 	outdated = changed || !gone.empty();
 }
 

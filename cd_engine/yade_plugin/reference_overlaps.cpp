@@ -96,11 +96,14 @@ double ReferenceOverlaps::of(int id1, int id2) const
 	return found != end && pair(*found) == wanted ? overlaps[*found] : 0;
 }
 
-template <class Condition> void ReferenceOverlaps::forgetIf(const Condition& ended) const
+void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which) const
 {
+	std::set<std::pair<int, int>> all;
+	for (const int32_t i : which)
+		all.insert(std::minmax(pairs[i].a, pairs[i].b));
 	std::size_t kept = 0;
 	for (std::size_t i = 0; i < overlaps.size(); i++) {
-		if (ended(pair(i)))
+		if (all.count(pair(i)) > 0)
 			continue;
 		ids[2 * kept] = ids[2 * i];
 		ids[2 * kept + 1] = ids[2 * i + 1];
@@ -108,21 +111,6 @@ template <class Condition> void ReferenceOverlaps::forgetIf(const Condition& end
 	}
 	ids.resize(2 * kept);
 	overlaps.resize(kept);
-}
-
-void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which) const
-{
-	std::set<std::pair<int, int>> all;
-	for (const int32_t i : which)
-		all.insert(std::minmax(pairs[i].a, pairs[i].b));
-	forgetIf([&](const std::pair<int, int>& pair) { return all.count(pair) > 0; });
-}
-
-void ReferenceOverlaps::forgetBodies(const std::vector<int>& which) const
-{
-	const std::set<int> all(which.begin(), which.end());
-	if (!all.empty())
-		forgetIf([&](const std::pair<int, int>& pair) { return all.count(pair.first) > 0 || all.count(pair.second) > 0; });
 }
 
 } // namespace cd_engine

@@ -16,8 +16,9 @@
 
 namespace cd_engine {
 
-// Bits of State.blockedDOFs.
-constexpr unsigned dofX = 1, dofY = 2, rotZ = 32;
+// Of each freedom of the plane: its bit in State.blockedDOFs, and its velocity in a State.
+constexpr unsigned dofs[cd::Plane::freedoms] = { 1, 2, 32 };
+inline double& velocityOf(void* state, int k) { return k < cd::Plane::components ? state_vel(state)[k] : state_angVel(state)[2]; }
 
 // Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {
@@ -26,11 +27,9 @@ struct ReferenceOverlaps {
 
 	double of(int id1, int id2) const; // 0 if the pair has none
 	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which) const;
-	void forgetBodies(const std::vector<int>& ids) const;
 
     private:
 	std::pair<int, int> pair(std::size_t i) const { return { ids[2 * i], ids[2 * i + 1] }; }
-	template <class Condition> void forgetIf(const Condition&) const;
 };
 
 // What the engine keeps about the pairs from step to step, and saves.
@@ -43,8 +42,7 @@ struct Memory {
 // A body of this step. Its addresses are valid in this step only. Before the next step reads them again, it only prefetches from them.
 struct KnownBody {
 	boost::weak_ptr<yade::Body> identity;
-	void *body = nullptr, *shape = nullptr, *state = nullptr;
-	bool exists = false;
+	void *body = nullptr, *shape = nullptr, *state = nullptr; // no body: the id is erased
 	long came = -1; // step in which it was first read
 	int placed = 0; // number of steps in a row before which somebody has set its position
 	long placedAt = 0; // the last of them

@@ -119,12 +119,9 @@ void SceneLink::writeMotion(std::size_t id)
 	state_pos(state).head<2>() << body.x, body.y;
 	// Blocked freedoms keep their velocity. Somebody may have blocked them, or set another velocity, meanwhile, at the console of a run.
 	const unsigned blocked = state_blockedDOFs(state);
-	if (body.inverseMass[0] > 0 && !(blocked & dofX))
-		state_vel(state)[0] = body.v[0];
-	if (body.inverseMass[1] > 0 && !(blocked & dofY))
-		state_vel(state)[1] = body.v[1];
-	if (body.inverseMass[2] > 0 && !(blocked & rotZ))
-		state_angVel(state)[2] = body.v[2];
+	for (int k = 0; k < cd::Plane::freedoms; k++)
+		if (body.inverseMass[k] > 0 && !(blocked & dofs[k]))
+			velocityOf(state, k) = body.v[k];
 	std::copy_n(orientations[id].data(), 4, &state_ori(state));
 }
 
@@ -178,7 +175,7 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 	for (std::size_t id = 0; id < bodies.size(); id++) {
 		if (id + early < bodies.size())
 			prefetchBody(bodies[id + early]);
-		if (bodies[id].exists)
+		if (bodies[id].body)
 			writeMotion(id);
 	}
 	if (interactionsOf(scene) != listed)
@@ -190,7 +187,7 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 bool SceneLink::areBoundaries(const std::vector<int>& ids) const
 {
 	return std::all_of(ids.begin(), ids.end(),
-	    [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists && isBoundary(world.bodies[id]); });
+	    [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].body && isBoundary(world.bodies[id]); });
 }
 
 void SceneLink::publishMotion(const std::vector<int>& ids)
@@ -202,7 +199,7 @@ void SceneLink::publishMotion(const std::vector<int>& ids)
 void SceneLink::saveMotion()
 {
 	for (std::size_t id = 0; unpublished && id < bodies.size(); id++)
-		if (bodies[id].exists)
+		if (bodies[id].body)
 			writeMotion(id);
 }
 
@@ -221,7 +218,7 @@ void SceneLink::publish(yade::Scene* scene, cd::TimeStep& step)
 	auto& container = scene_forces(scene);
 	const double rate = 1 / lastDt;
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
-		if (!bodies[id].exists)
+		if (!bodies[id].body)
 			continue;
 		const double* w = world.bodies[id].inverseMass;
 		const double weight = w[0] > 0 || w[1] > 0 ? state_mass(bodies[id].state) : 0;

@@ -2,6 +2,7 @@
 #include "scene/contact_geometry.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd {
@@ -123,6 +124,7 @@ bool isBeyondCorner(const Shape& shape, const Place& boundary, const Place& disk
 
 Foot footOnBoundary(const Shape& shape, double turned, Vector centre)
 {
+	assert(shape.kind != ShapeKind::disk);
 	if (shape.kind == ShapeKind::box)
 		return footOnBox(shape, turned, centre);
 	return footOnWall(shape, shape.sense != 0 ? shape.sense : std::copysign(1., along(shape.axis, centre)), centre);

@@ -2,6 +2,7 @@
 #include "search/pair_search.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd {
@@ -63,6 +64,7 @@ namespace {
 
 int leftBehind(const World& world, const std::vector<std::size_t>& some)
 {
+	assert(world.shapes.size() == world.bodies.size() && world.masks.size() == world.shapes.size());
 	if (some.empty())
 		return -1;
 	const auto extentOf = [&world](auto belongs) {

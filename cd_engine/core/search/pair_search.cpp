@@ -82,12 +82,11 @@ bool PairSearch::needed(World& world, double dt, double leastMargin, const std::
 	world.listed.resize(count);
 	struct Seen {
 		double fastest = 0, smallest = endless;
-		bool complete;
 		int32_t beyond = -1;
 	};
+	const bool known = seen.size() == count && world.apart == seenApart;
 	const auto measure = [&](std::size_t from, std::size_t to) {
 		Seen all;
-		all.complete = seen.size() == count && world.apart == seenApart;
 		for (std::size_t i = from; i < to; i++) {
 			const Body& b = world.bodyOf(i);
 			const bool joins = world.masks[i] != 0;
@@ -97,23 +96,21 @@ bool PairSearch::needed(World& world, double dt, double leastMargin, const std::
 				needs[i] = std::max(needs[i], outran[i]);
 			all.fastest = std::max(all.fastest, ways[i]);
 			all.smallest = isBoundary(b) ? all.smallest : std::min(all.smallest, b.radius);
-			if (!all.complete)
+			if (!known || all.beyond >= 0)
 				continue;
 			world.listed[i] = !joins && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
-			all.complete = needs[i] <= world.listed[i];
-			all.beyond = all.complete ? -1 : static_cast<int32_t>(i);
+			all.beyond = needs[i] <= world.listed[i] ? -1 : static_cast<int32_t>(i);
 		}
 		return all;
 	};
 	const Seen all = reduceRanges<Seen>(threads, count, measure, [](const Seen& a, const Seen& b) {
-		return Seen { std::max(a.fastest, b.fastest), std::min(a.smallest, b.smallest), a.complete && b.complete,
-			a.beyond >= 0 ? a.beyond : b.beyond };
+		return Seen { std::max(a.fastest, b.fastest), std::min(a.smallest, b.smallest), a.beyond >= 0 ? a.beyond : b.beyond };
 	});
 	beyond = all.beyond;
 	fastest = all.fastest;
 	least = std::isinf(all.smallest) ? 0 : leastMargin * all.smallest;
 	longest = fastest / all.smallest;
-	return !all.complete;
+	return !known || beyond >= 0;
 }
 
 void PairSearch::find(World& world, const std::vector<int>& rank)

@@ -80,7 +80,7 @@ namespace {
 
 } // namespace
 
-bool renewOrder(const World& world, const SpaceOrder& order, bool look)
+bool renewOrder(const World& world, const SpaceOrder& order, bool checks)
 {
 	const std::vector<Body>& bodies = world.bodies;
 	if (bodies.size() <= fewDisks) {
@@ -89,7 +89,7 @@ bool renewOrder(const World& world, const SpaceOrder& order, bool look)
 		order.path = 0;
 		return had;
 	}
-	if (order.rank.size() == bodies.size() && (!look || lengthByRank(bodies, order.rank) <= 2 * order.path))
+	if (order.rank.size() == bodies.size() && (!checks || lengthByRank(bodies, order.rank) <= 2 * order.path))
 		return false;
 	const std::vector<int> disks = disksAlongCurve(bodies);
 	order.rank.assign(bodies.size(), none);
