@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace cd_engine {
 namespace {
@@ -68,22 +69,19 @@ void prefetchBody(const KnownBody& known)
 // The plane of the disks is that of the first disk. That disk must stay in it, since boxes that reach this plane may not reach another.
 void SceneLink::findLayer(yade::BodyContainer& container)
 {
-	const int before = layerId;
-	const double stoodAt = layer;
-	layerId = -1;
-	for (std::size_t id = 0; id < container.size() && layerId < 0; id++) {
-		const Shared<yade::Body>& body = container[id];
-		if (!body || !body_state(body) || !body_shape(body) || kindOf(body_shape(body).get()) != cd::ShapeKind::disk)
-			continue;
-		layerId = static_cast<int>(id);
-		layer = state_pos(body_state(body))[2];
-	}
-	if (layerId < 0 || layerId != before || !isSame(bodies[layerId].identity, container[layerId]))
+	const auto isDisk = [](const Shared<yade::Body>& body) {
+		return body && body_state(body) && body_shape(body) && kindOf(body_shape(body).get()) == cd::ShapeKind::disk;
+	};
+	const int before = std::exchange(layerId, -1), count = static_cast<int>(container.size());
+	for (int id = 0; id < count && layerId < 0; id++)
+		layerId = isDisk(container[id]) ? id : -1;
+	if (layerId < 0)
 		return;
-	const double z = layer;
-	layer = stoodAt;
-	if (std::isfinite(z) && std::abs(z - stoodAt) > 1e-9 * world.bodies[layerId].radius)
-		refuseBody(layerId, text("has z = ", z, " m but stood at z = ", stoodAt, " m in the step before, in the plane of the scene"),
+	const double z = state_pos(body_state(container[layerId]))[2];
+	if (layerId != before || !isSame(bodies[layerId].identity, container[layerId]))
+		layer = z;
+	else if (std::isfinite(z) && std::abs(z - layer) > 1e-9 * world.bodies[layerId].radius)
+		refuseBody(layerId, text("has z = ", z, " m but stood at z = ", layer, " m in the step before, in the plane of the scene"),
 		    "Set the third component of its state.pos back. A scene that moves to another plane as a whole needs a new engine: "
 		    "O.engines=cd_engine.engines()");
 }

@@ -172,12 +172,7 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 			forget(interactions[i]);
 		}
 	}
-	for (std::size_t id = 0; id < bodies.size(); id++) {
-		if (id + early < bodies.size())
-			prefetchBody(bodies[id + early]);
-		if (bodies[id].body)
-			writeMotion(id);
-	}
+	saveMotion();
 	if (interactionsOf(scene) != listed)
 		listed = interactionsOf(scene);
 	unpublished = false;
@@ -198,9 +193,12 @@ void SceneLink::publishMotion(const std::vector<int>& ids)
 
 void SceneLink::saveMotion()
 {
-	for (std::size_t id = 0; unpublished && id < bodies.size(); id++)
+	for (std::size_t id = 0; unpublished && id < bodies.size(); id++) {
+		if (id + early < bodies.size())
+			prefetchBody(bodies[id + early]);
 		if (bodies[id].body)
 			writeMotion(id);
+	}
 }
 
 void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)

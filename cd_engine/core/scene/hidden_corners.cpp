@@ -27,14 +27,6 @@ void HiddenCorners::list(const World& world)
 			near.push_back({ pair.b, pair.a });
 	std::sort(
 	    near.begin(), near.end(), [](const Near& a, const Near& b) { return a.disk != b.disk ? a.disk < b.disk : a.boundary < b.boundary; });
-	std::size_t kept = 0;
-	for (std::size_t from = 0, to; from < near.size(); from = to) {
-		for (to = from; to < near.size() && near[to].disk == near[from].disk;)
-			to++;
-		for (std::size_t k = from; k < to && to - from > 1; k++)
-			near[kept++] = near[k];
-	}
-	near.resize(kept);
 }
 
 bool HiddenCorners::hide(const World& world, const std::vector<Place>& places, const Pair& pair, double dt) const
