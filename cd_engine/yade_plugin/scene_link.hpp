@@ -56,7 +56,7 @@ struct ForceObjects {
 	Shared<yade::IPhys> phys {};
 	bool real = false; // whether the interaction has objects now: these, or others if geom is null
 
-	bool hold() const { return real && geom; }
+	bool inUse() const { return real && geom; }
 };
 
 class SceneLink {

@@ -19,7 +19,7 @@ namespace {
 	// Prefetches the memory lines that writeContact writes.
 	void prefetchContact(const ForceObjects& o)
 	{
-		if (!o.hold())
+		if (!o.inUse())
 			return;
 		prefetch(o.geom.get(), { geom_normal, geom_contactPoint + 16, geom_penetrationDepth });
 		prefetch(o.phys.get(), { phys_normalForce, phys_tangensOfFrictionAngle });
@@ -164,7 +164,7 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 		if (world.carried[i].any()) {
 			if (!interactions[i])
 				insert(*scene_interactions(scene), i);
-			if (!objects[i].hold())
+			if (!objects[i].inUse())
 				makeReal(i);
 			writeContact(i, step.touchOf(world, i));
 		} else if (objects[i].real) {
@@ -211,6 +211,7 @@ void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
 
 void SceneLink::publish(yade::Scene* scene, cd::TimeStep& step)
 {
+	assert(unpublished && lastDt > 0);
 	const auto& impulses = step.impulsesOn(world); // first, because it may find no memory
 	publishScene(scene, step);
 	auto& container = scene_forces(scene);

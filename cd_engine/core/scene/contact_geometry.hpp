@@ -50,7 +50,7 @@ inline Touch locateContact(const Place& a, const Place& b, const Shape& shape)
 		foot = centres > 0 ? Foot { d.x * inverse, d.y * inverse, centres - a.radius } : Foot { 1, 0, -a.radius }; // any direction parts them
 	} else
 		foot = footOnBoundary(shape, a.turned, d);
-	assert(!(std::abs(foot.nx * foot.nx + foot.ny * foot.ny - 1) > 1e-9)); // NaN is left to whoever looks at the result
+	assert(!(std::abs(foot.nx * foot.nx + foot.ny * foot.ny - 1) > 1e-9)); // NaN passes
 	return touchAt(foot.nx, foot.ny, foot.distance - b.radius, b);
 }
 

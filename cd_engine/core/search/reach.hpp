@@ -1,4 +1,4 @@
-// How far apart two bodies may be for a step to make a contact of them, and how far the search for pairs must look.
+// How far apart two bodies may be for a step to make a contact of them, and how far the search for pairs must reach.
 #pragma once
 
 #include "scene/scene.hpp"
