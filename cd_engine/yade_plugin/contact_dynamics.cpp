@@ -71,12 +71,9 @@ void ContactDynamics::takeOver()
 	const std::unique_lock<std::mutex> settled(before->stepping, std::try_to_lock);
 	if (!settled)
 		return; // it makes a step or publishes one, so it needs its memory
-	before->link = SceneLink();
-	before->step = cd::TimeStep();
+	before->release();
 	before->others.wake();
 	before->others = OtherEngines();
-	before->last = {};
-	before->idle = false;
 }
 
 void ContactDynamics::settleLatest()
@@ -86,7 +83,7 @@ void ContactDynamics::settleLatest()
 		return;
 	const WithoutInterpreterLock unlocked; // the last step of the run may need it
 	const std::lock_guard<std::mutex> lock(engine->stepping);
-	if (engine->link.ahead())
+	if (engine->link.isUnpublished())
 		engine->link.publish(engine->scene, engine->step);
 	engine->others.wake();
 }
@@ -109,27 +106,38 @@ void ContactDynamics::action()
 			scene_time(scene) += scene_dt(scene);
 			scene_iter(scene)++;
 		}
-		link = SceneLink();
-		step = cd::TimeStep();
-		last = {};
-		idle = false;
+		release();
 		others.wakeUnsorted();
 		const std::string error = moved ? noMemoryToShow : noMemory;
 		exchangeError(error);
 		scene_forces(scene).sync(); // as below; last, since it may need memory itself
 		throw SceneError(error);
+	} catch (const std::exception& error) {
+		exchangeError(error.what());
+		giveUp();
+		throw;
 	} catch (...) {
-		link.catchUp(scene, step);
-		scene_forces(scene).sync(); // else ForceResetter would leave what other engines have added in this step
-		others.wakeUnsorted(); // whoever continues from here must not find a sleeping collider
-		last = {};
-		try {
-			throw;
-		} catch (const std::exception& error) {
-			exchangeError(error.what());
-			throw;
-		}
+		giveUp();
+		throw;
 	}
+}
+
+// After an error in a step: the scene is that of the last step that was made.
+void ContactDynamics::giveUp()
+{
+	link.catchUp(scene, step);
+	scene_forces(scene).sync(); // else ForceResetter would leave what other engines have added in this step
+	others.wakeUnsorted(); // whoever continues from here must not find a sleeping collider
+	last = {};
+}
+
+// The memory of a scene.
+void ContactDynamics::release()
+{
+	link = SceneLink();
+	step = cd::TimeStep();
+	last = {};
+	idle = false;
 }
 
 // The tolerance of the next step: the largest power of ten, within its limits, that is not above `unrest`. An error changes velocities by about
@@ -181,17 +189,13 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	return s;
 }
 
-bool ContactDynamics::somebodyLooks() const
-{
-	const bool ends = scene_stopAtIter(scene) == scene_iter(scene) + 1;
-	return ends || !awaited() || !link.finite() || read(&ContactDynamics::publish) == "always" || others.looks(scene);
-}
-
-// Writes to the scene what other engines read before the next step.
+// Writes to the scene what others read before the next step.
 void ContactDynamics::show()
 {
 	const std::vector<int>& driven = others.drivenBodies();
-	if (somebodyLooks() || !link.areBoundaries(driven))
+	const bool ends = scene_stopAtIter(scene) == scene_iter(scene) + 1;
+	if (ends || !awaited() || !link.isFinite() || read(&ContactDynamics::publish) == "always" || others.observe(scene)
+	    || !link.areBoundaries(driven))
 		link.publish(scene, step);
 	else
 		link.publishMotion(driven);
@@ -211,18 +215,8 @@ void ContactDynamics::advance()
 	const long now = changes(); // first: what Python sets from here on is looked at in the next step, too
 	const Vector3r weighs = read(&ContactDynamics::gravity);
 	const bool changed = std::exchange(known, now) != now;
-	if (idle && !changed && link.ahead() && !looksAtOrder() && others.drivenBodies().empty()) {
-		{
-			const std::lock_guard<std::mutex> lock(attributesLock);
-			steps++;
-			stepTolerance = nextTolerance();
-			noteUnrest({});
-		}
-		if (scene_trackEnergy(scene))
-			track(energyOf(link.world, weighs).kinetic, 0, 0);
-		show();
-		return;
-	}
+	if (idle && !changed && link.isUnpublished() && !checksOrder() && others.drivenBodies().empty())
+		return repeatIdleStep(weighs);
 	others.check(this, scene, weighs != Vector3r::Zero());
 	cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
@@ -230,33 +224,59 @@ void ContactDynamics::advance()
 	last = settings;
 	link.world.apart = others.maskApart();
 	others.restCollider(scene);
-	link.gather(scene, weighs, settings.dt, memory(), looksAtOrder(), searchMargin, step, {});
+	link.gather(scene, weighs, settings.dt, memory(), checksOrder(), searchMargin, step, {});
 	const bool takesOver = handover;
-	if (takesOver) {
-		const double largest = link.takeOverlaps();
-		const std::lock_guard<std::mutex> lock(attributesLock);
-		link.collectOverlaps(memory().overlaps);
-		handoverOverlap = std::max(largest, std::numeric_limits<double>::min()); // not 0: it tells run_hooks.py that this engine takes over
-		handover = false;
-	}
+	if (takesOver)
+		takeOverlaps();
+	warnBeforeStep(settings.dt);
 
-	tellOfLost();
-	tellOfSpeed(settings.dt);
-	if (steps == 0)
-		tellOfShortStep(settings.dt);
-	if (restitution > 0 && gapCorrection > 0)
-		link.tell("restitution and gapCorrection together create energy: the velocity that removes an overlap takes part in later rebounds.",
-		    "Set one of them to 0. A smaller O.dt reduces overlaps.");
-	if (const std::string& late = others.lateDriver(); !late.empty())
-		link.tell(late + " stands after ContactDynamics in O.engines, so the motion that it sets comes a step late.",
-		    "Put it between ForceResetter and ContactDynamics.");
-	if (others.deadIntegrator())
-		link.tell("a NewtonIntegrator stands dead in O.engines: utils.unbalancedForce() adds its gravity to forces that contain the weights.",
-		    "Remove it.");
 	const bool tracks = scene_trackEnergy(scene);
 	const double height = tracks ? energyOf(link.world, weighs).weight : 0;
+	const cd::StepReport made = solve(weighs, settings);
+	link.finishStep(step, settings.dt);
+	moved = true;
+	idle = made.idle;
+	if (tracks) {
+		const Energy after = energyOf(link.world, weighs);
+		track(after.kinetic, after.weight - height, made.dissipated);
+	}
+	const double deepestBefore = deepestPenetration;
+	report(made, settings);
+	show();
+	if (!converged && fixedIterations == 0)
+		warnOfUnsolved();
+	if (deepestPenetration > deepestBefore)
+		warnOfPenetration(deepestBefore, takesOver);
+}
+
+// A step in which nothing moves, as in the last one.
+void ContactDynamics::repeatIdleStep(const Vector3r& weighs)
+{
+	{
+		const std::lock_guard<std::mutex> lock(attributesLock);
+		steps++;
+		stepTolerance = nextTolerance();
+		noteUnrest({});
+	}
+	if (scene_trackEnergy(scene))
+		track(energyOf(link.world, weighs).kinetic, 0, 0);
+	show();
+}
+
+void ContactDynamics::takeOverlaps()
+{
+	const double largest = link.takeOverlaps();
+	const std::lock_guard<std::mutex> lock(attributesLock);
+	link.collectOverlaps(memory().overlaps);
+	handoverOverlap = std::max(largest, std::numeric_limits<double>::min()); // not 0: it tells run_hooks.py that this engine takes over
+	handover = false;
+}
+
+// Makes a step in the core's world. Repeats it with more pairs while bodies outran the list; a repeated step may need more.
+cd::StepReport ContactDynamics::solve(const Vector3r& weighs, cd::StepSettings& settings)
+{
 	cd::StepReport made = step(link.world, settings);
-	for (std::vector<double> needed; !made.outran.empty();) { // a repeated step may need more
+	for (std::vector<double> needed; !made.outran.empty();) {
 		needed.resize(made.outran.size());
 		std::transform(needed.begin(), needed.end(), made.outran.begin(), needed.begin(), [](double a, double b) { return std::max(a, b); });
 		link.gather(scene, weighs, settings.dt, memory(), false, searchMargin, step, needed);
@@ -266,20 +286,7 @@ void ContactDynamics::advance()
 	if (made.solver.status == cd::Status::diverged)
 		throw SceneError(text("ContactDynamics: the solver met a number that is not finite at step ", scene_iter(scene),
 		    "; no body has been moved. Look for disks with the same centre, extreme masses or forces, or take a smaller O.dt"));
-	link.hold(step, settings.dt);
-	moved = true;
-	idle = made.idle;
-	if (tracks) {
-		const Energy now = energyOf(link.world, weighs);
-		track(now.kinetic, now.weight - height, made.dissipated);
-	}
-	const double before = deepestPenetration;
-	report(made, settings);
-	show();
-	if (!converged && fixedIterations == 0)
-		warn();
-	if (deepestPenetration > before)
-		watchPenetration(before, takesOver);
+	return made;
 }
 
 // Copies the report into the attributes.

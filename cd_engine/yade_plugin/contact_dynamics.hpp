@@ -39,21 +39,27 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double nextTolerance() const;
 	void noteUnrest(const cd::StepReport&);
 	cd::StepSettings settings(yade::Scene*) const;
-	bool somebodyLooks() const;
 	void show();
 	void takeOver();
+	void release();
+	void giveUp();
 	void advance();
+	void repeatIdleStep(const Vector3r& weighs);
+	void takeOverlaps();
+	cd::StepReport solve(const Vector3r& weighs, cd::StepSettings&);
 	void report(const cd::StepReport&, const cd::StepSettings&);
 	void planRestTrial(const cd::Effort&, bool tried);
 	bool sleepGoesOn(const cd::StepSettings&) const;
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength }, attributesLock }; }
-	bool looksAtOrder() const { return steps % 64 == 0; }
-	void warn();
+	bool checksOrder() const { return steps % 64 == 0; }
 	std::string unsolved() const;
-	void tellOfLost();
-	void tellOfSpeed(double dt);
-	void tellOfShortStep(double dt);
-	void watchPenetration(double before, bool takesOver) const;
+	void warnBeforeStep(double dt);
+	void warnOfLostBody();
+	void warnOfSpeed(double dt);
+	void warnOfShortStep(double dt);
+	void warnOfUnsolved();
+	void warnOfPenetration(double before, bool takesOver) const;
+	std::string remedyForPenetration(const cd::Pair&, double grown, double smallest, bool takesOver) const;
 
 	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.
 	SceneLink link;
@@ -61,7 +67,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	static std::atomic<ContactDynamics*> latest; // the engine that has made the last step
 	std::mutex stepping; // held during a step: O.pause() may return while the last step still runs
 	OtherEngines others;
-	bool warned = false, toldOfLost = false, toldOfSpeed = false, toldOfUnsolvable = false;
+	bool warnedOfUnsolved = false, warnedOfUnsolvable = false, warnedOfLost = false, warnedOfSpeed = false;
 	cd::StepSettings last; // settings of the last step
 	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
 	bool moved = false; // the step under way has moved the bodies

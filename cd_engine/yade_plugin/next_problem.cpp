@@ -44,13 +44,13 @@ py::tuple ContactDynamics::nextProblem()
 	std::vector<int> ids = referenceIds, order = bodyOrder;
 	std::vector<double> overlaps = referenceOverlaps;
 	double length = bodyOrderLength;
-	SceneLink look;
-	look.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
-	look.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, looksAtOrder());
+	SceneLink copy;
+	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
+	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
 	if (handover)
-		look.takeOverlaps();
+		copy.takeOverlaps();
 	cd::TimeStep next;
-	return bodyArrays(next.assemble(look.world, settings));
+	return bodyArrays(next.assemble(copy.world, settings));
 }
 
 } // namespace cd_engine

@@ -10,44 +10,64 @@ namespace cd_engine {
 namespace {
 
 	Kind isPeriodic { "PeriodicEngine" };
+	enum class Does { nothing, drives, moves, pushes, conflicts }; // drives: only sets velocities, by the positions of its bodies
+
+	const std::string remove = ". Remove it or set its dead=True";
+	const std::string servo = " moves walls until springs carry their loads; rigid bodies have no springs" + remove
+	    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
+
+	// What YADE's engines do to a scene, by the first of these classes that is theirs or a base of theirs. No engine says whether it writes to
+	// interactions, and those that do overwrite the forces of rigid contacts. So an engine of any other class conflicts.
+	const struct Known {
+		Does does;
+		std::vector<const char*> classes;
+		std::string why {}; // it conflicts, and what to do
+	} known[] = {
+		// No advice to set this one dead: utils.unbalancedForce() adds its gravity to forces that contain the weights.
+		{ Does::conflicts, { "NewtonIntegrator" }, " is also among O.engines and would move the bodies a second time. Remove it" },
+		{ Does::conflicts, { "ContactDynamics" }, " is also among O.engines and would move the bodies a second time" + remove },
+		{ Does::conflicts, { "InteractionLoop" },
+		    " is also among O.engines and would add spring forces to the bodies a second time" + remove },
+		{ Does::conflicts, { "ParallelEngine" },
+		    " hides the engines in it, some of which may not work with Contact Dynamics. Put them into O.engines, one after the other" },
+		{ Does::conflicts, { "TimeStepper" }, " sets O.dt by the stiffness of springs, which rigid bodies do not have" + remove },
+		{ Does::conflicts, { "BoundaryController", "ServoPIDController" }, servo },
+		{ Does::moves, { "HelixEngine" } },
+		{ Does::drives, { "RotationEngine", "TranslationEngine", "HarmonicMotionEngine" } },
+		{ Does::moves, { "KinematicEngine", "CombinedKinematicEngine" } },
+		{ Does::pushes,
+		    { "ForceEngine", "HarmonicForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier", "DragEngine", "LinearDragEngine",
+			"HydroForceEngine", "HydrodynamicsLawLBM", "FoamCoupling", "FlowEngineT", "FlowEngine_PeriodicInfo", "TwoPhaseFlowEngineT",
+			"PartialSatClayEngineT" } },
+		{ Does::nothing, // as far as it can be known: PyRunner, a PeriodicEngine, does what the user wants
+		    { "PeriodicEngine", "Collider", "BoundDispatcher", "ForceResetter", "SpheresFactory", "StepDisplacer", "TimeAverager",
+			"TesselationWrapper", "MicroMacroAnalyser", "FacetTopologyAnalyzer" } },
+		{ Does::conflicts, { "Engine" },
+		    " may write to contacts, as laws of springs do, and so overwrite the forces of rigid contacts" + remove },
+	};
+
+	const Known& find(const std::string& name)
+	{
+		return *std::find_if(std::begin(known), std::end(known) - 1, [&](const Known& of) {
+			return std::any_of(of.classes.begin(), of.classes.end(), [&](const char* base) { return isA(name, base); });
+		});
+	}
 
 	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics. reset: a
 	// ForceResetter stands before it. weighs: Contact Dynamics adds the weights.
-	std::string refusal(const std::string& name, bool before, bool reset, bool weighs)
+	std::string refusal(const std::string& name, const Known& of, bool before, bool reset, bool weighs)
 	{
-		const std::string remove = " Remove it or set its dead=True";
-		// No advice to set this one dead: utils.unbalancedForce() adds its gravity to forces that contain the weights.
-		if (name == "NewtonIntegrator")
-			return "NewtonIntegrator is also among O.engines and would move the bodies a second time. Remove it";
-		if (name == "InteractionLoop" || name == "ContactDynamics")
-			return name + " is also among O.engines and would " + (name == "InteractionLoop" ? "add spring forces to" : "move")
-			    + " the bodies a second time." + remove;
-		if (isA(name, "ParallelEngine"))
-			return name
-			    + " hides the engines in it, some of which may not work with Contact Dynamics. Put them into O.engines, one after the "
-			      "other";
-		if (isA(name, "TimeStepper"))
-			return name + " sets O.dt by the stiffness of springs, which rigid bodies do not have." + remove;
-		if (isA(name, "BoundaryController") || isA(name, "ServoPIDController"))
-			return name + " moves walls until springs carry their loads; rigid bodies have no springs." + remove
-			    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
-		for (const char* const pushing : { "ForceEngine", "HarmonicForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier",
-			 "DragEngine", "LinearDragEngine", "HydroForceEngine" })
-			if ((!before || !reset) && isA(name, pushing))
-				return name + " stands " + (before ? "before ForceResetter" : "after ContactDynamics")
-				    + " in O.engines, so ForceResetter clears its forces before they act. "
-				    + (name == "GravityEngine" && weighs ? "Remove it, because the attribute `gravity` acts in its place"
-									 : "Put it between ForceResetter and ContactDynamics");
-		if (name == "GravityEngine" && weighs)
-			return "both GravityEngine and the attribute `gravity` would act on the bodies, so that each would weigh twice." + remove
-			    + ", or set gravity=(0, 0, 0)";
-		return "";
-	}
-
-	// Whether an engine only sets velocities, by the positions of its bodies.
-	bool onlyDrives(const std::string& name)
-	{
-		return name == "RotationEngine" || name == "TranslationEngine" || name == "HarmonicMotionEngine" || name == "HarmonicRotationEngine";
+		if (of.does == Does::conflicts)
+			return name + of.why;
+		const bool doubled = name == "GravityEngine" && weighs;
+		if (of.does == Does::pushes && (!before || !reset))
+			return name + " stands " + (before ? "before ForceResetter" : "after ContactDynamics")
+			    + " in O.engines, so ForceResetter clears its forces before they act. "
+			    + (doubled ? "Remove it, because the attribute `gravity` acts in its place"
+				       : "Put it between ForceResetter and ContactDynamics");
+		return doubled ? "both GravityEngine and the attribute `gravity` would act on the bodies, so that each would weigh twice" + remove
+			+ ", or set gravity=(0, 0, 0)"
+			       : "";
 	}
 
 	// Whether an engine runs, or may run, in the step `iteration`, which begins at `time`. As in YADE's PeriodicEngine::isActivated.
@@ -94,32 +114,32 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	std::string problem;
 	bool resets = false, before = true;
 	late.clear();
-	integrator = false;
+	integrator = needed = false;
 	const Shared<yade::Engine> found = colliderOf(scene);
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
-		Other other { engine.get(), engine->dead, engine.get() == self, before, onlyDrives(name) };
-		if (other.ours) {
+		const Known& of = find(name);
+		Other other { engine.get(), engine->dead, engine.get() == self || engine == found, before, of.does == Does::drives };
+		needed = needed || isA(name, "SpheresFactory");
+		if (engine.get() == self) {
 			if (!std::exchange(before, false))
 				problem = "it stands twice in O.engines and would move the bodies a second time. Remove one of the two";
-		} else if (engine == found) {
-			other.ours = true;
-		} else if (!engine->dead) {
-			resets = resets || (before && name == "ForceResetter");
-			other.ours = name == "ForceResetter";
-			if (!before && isA(name, "KinematicEngine"))
-				late = name;
-			if (const std::string reason = refusal(name, before, resets, weighs); !reason.empty())
-				problem = reason;
-		} else
+		} else if (engine->dead) {
 			integrator = integrator || (weighs && name == "NewtonIntegrator");
+		} else if (engine != found) {
+			other.ignored = name == "ForceResetter";
+			resets = resets || (before && other.ignored);
+			if (!before && (of.does == Does::drives || of.does == Does::moves))
+				late = name;
+			if (const std::string reason = refusal(name, of, before, resets, weighs); !reason.empty())
+				problem = reason;
+		}
 		seen.push_back(other);
 	}
 	if (!resets)
 		problem = "there is no ForceResetter before it, so forces would add up over the steps. Use O.engines=cd_engine.engines()";
 	if (!problem.empty())
 		throw SceneError("ContactDynamics: " + problem);
-	asked = std::any_of(engines.begin(), engines.end(), [](const auto& engine) { return isA(engine->getClassName(), "SpheresFactory"); });
 	wake();
 	collider = found;
 	others = std::move(seen);
@@ -127,7 +147,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 
 void OtherEngines::restCollider(yade::Scene* scene)
 {
-	if (collider && !asked)
+	if (collider && !needed)
 		collider->dead = resting = awaited() || scene_stopAtIter(scene) > scene_iter(scene) + 1;
 }
 
@@ -145,18 +165,14 @@ void OtherEngines::wakeUnsorted()
 		collider_doSort(collider) = true;
 }
 
-int32_t OtherEngines::maskApart() const { return maskOf(collider); }
-
-int32_t OtherEngines::maskOf(const Shared<yade::Engine>& collider) { return collider ? collider_avoidSelfInteractionMask(collider) : 0; }
-
-bool OtherEngines::looks(yade::Scene* scene) const
+bool OtherEngines::observe(yade::Scene* scene) const
 {
 	const long iteration = scene_iter(scene);
 	const double time = scene_time(scene);
 	if (changedAt == iteration)
 		return true;
 	for (const Other& other : others) {
-		if (other.ours || other.drives)
+		if (other.ignored || other.drives)
 			continue;
 		// A periodic engine that has run before may have set itself dead in that step.
 		const bool hasRun = other.before && isPeriodic(other.engine) && periodic_iterLast(other.engine) == iteration;
@@ -171,10 +187,8 @@ const std::vector<int>& OtherEngines::drivenBodies()
 {
 	driven.clear();
 	for (const Other& other : others)
-		if (other.drives && !other.dead) {
-			const std::vector<int>& ids = partial_ids(other.engine);
-			driven.insert(driven.end(), ids.begin(), ids.end());
-		}
+		if (other.drives && !other.dead)
+			driven.insert(driven.end(), partial_ids(other.engine).begin(), partial_ids(other.engine).end());
 	return driven;
 }
 

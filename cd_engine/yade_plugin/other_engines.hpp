@@ -1,4 +1,4 @@
-// The other engines of O.engines: which of them cannot be used with Contact Dynamics, and when one of them looks at the scene.
+// The other engines of O.engines: which of them cannot be used with Contact Dynamics, and when one of them reads the scene.
 #pragma once
 
 #include "layout.hpp"
@@ -8,7 +8,7 @@
 
 namespace cd_engine {
 
-// The other engines of the scene. An engine with a period, such as PyRunner, looks at the scene when its period is over, any other in every step.
+// The other engines of the scene. An engine with a period, such as PyRunner, reads the scene when its period is over, any other in every step.
 //
 // YADE's collider is switched off during a run, since ContactDynamics finds its pairs itself (core/pair_search.hpp): it is dead to YADE's loop during
 // O.run(n). It is switched on again at the last step or after a refusal, so that the next user, perhaps with springs, finds it awake. (Not after an
@@ -23,7 +23,7 @@ class OtherEngines {
 	// Whether one of them runs between this step of `self` and the next one, or has run before `self` in this step; what that one has added to
 	// O.forces ends with this step.
 	// Engines that only set velocities of bodies do not count; `drivenBodies` has them.
-	bool looks(yade::Scene*) const;
+	bool observe(yade::Scene*) const;
 	// The bodies whose velocities other engines set in every step, by the bodies' positions alone.
 	const std::vector<int>& drivenBodies();
 
@@ -39,8 +39,8 @@ class OtherEngines {
 	// misses pairs for ever; therefore it sorts them anew.
 	void wakeUnsorted();
 	// The avoidSelfInteractionMask (cd::World::apart) of the collider at the last check, and of any; 0 without one.
-	int32_t maskApart() const;
-	static int32_t maskOf(const Shared<yade::Engine>& collider);
+	int32_t maskApart() const { return maskOf(collider); }
+	static int32_t maskOf(const Shared<yade::Engine>& collider) { return collider ? collider_avoidSelfInteractionMask(collider) : 0; }
 	// The first collider in the scene's list of engines; null: there is none.
 	static Shared<yade::Engine> colliderOf(yade::Scene*);
 
@@ -48,7 +48,7 @@ class OtherEngines {
 	struct Other {
 		yade::Engine* engine;
 		bool dead;
-		bool ours; // `self`, or changes only what every step makes anew, or acts only on request
+		bool ignored; // `self`, or changes only what every step makes anew, or acts only on request
 		bool before; // it stands before `self`
 		bool drives; // only sets velocities of bodies
 	};
@@ -61,7 +61,7 @@ class OtherEngines {
 	std::vector<int> driven;
 	long changedAt = -1; // iteration of the last check that found a changed list
 	Shared<yade::Engine> collider;
-	bool asked = false; // whether an engine asks the collider for free space
+	bool needed = false; // whether an engine queries the collider for free space
 	bool resting = false; // whether the collider is switched off
 };
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace cd_engine {
 namespace {
@@ -32,12 +34,32 @@ namespace {
 		torque = any ? py::extract<Vector3r>(lasting.attr("permT")(id))() : Vector3r::Zero();
 	}
 
+	// None if a shape is none of the three. The address of a shape identifies nothing, because a new shape may get the address of an old one.
+	std::optional<cd::ShapeKind> kindOf(const void* shape)
+	{
+		static Kind isSphere { "Sphere", Kind::exactly }, isBox { "Box", Kind::exactly }, isWall { "Wall", Kind::exactly };
+		if (isSphere(shape))
+			return cd::ShapeKind::disk;
+		if (isBox(shape))
+			return cd::ShapeKind::box;
+		return isWall(shape) ? std::optional(cd::ShapeKind::wall) : std::nullopt;
+	}
+
+	[[noreturn]] void refuseShape(int id, const void* shape)
+	{
+		// A clump is a body itself. Its id comes after those of its members, which need no test of their own for this.
+		const std::string name = className(shape);
+		if (name == "Clump")
+			refuseBody(id, "is a clump", releaseClump);
+		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
+	}
+
 } // namespace
 
 // Prefetches the memory lines of a body's objects that a step reads.
 void prefetchBody(const KnownBody& known)
 {
-	if (!known.exists)
+	if (!known.body)
 		return;
 	prefetch(known.body, { body_material, body_shape });
 	prefetch(known.shape, { 0, sphere_radius });
@@ -47,22 +69,19 @@ void prefetchBody(const KnownBody& known)
 // The plane of the disks is that of the first disk. That disk must stay in it, since boxes that reach this plane may not reach another.
 void SceneLink::findLayer(yade::BodyContainer& container)
 {
-	const int before = layerId;
-	const double stoodAt = layer;
-	layerId = -1;
-	for (std::size_t id = 0; id < container.size() && layerId < 0; id++) {
-		const Shared<yade::Body>& body = container[id];
-		if (!body || !body_state(body) || !body_shape(body) || kindOf(body_shape(body).get()) != static_cast<int>(cd::ShapeKind::disk))
-			continue;
-		layerId = static_cast<int>(id);
-		layer = state_pos(body_state(body))[2];
-	}
-	if (layerId < 0 || layerId != before || !isSame(bodies[layerId].identity, container[layerId]))
+	const auto isDisk = [](const Shared<yade::Body>& body) {
+		return body && body_state(body) && body_shape(body) && kindOf(body_shape(body).get()) == cd::ShapeKind::disk;
+	};
+	const int before = std::exchange(layerId, -1), count = static_cast<int>(container.size());
+	for (int id = 0; id < count && layerId < 0; id++)
+		layerId = isDisk(container[id]) ? id : -1;
+	if (layerId < 0)
 		return;
-	const double z = layer;
-	layer = stoodAt;
-	if (std::isfinite(z) && std::abs(z - stoodAt) > 1e-9 * world.bodies[layerId].radius)
-		refuseBody(layerId, text("has z = ", z, " m but stood at z = ", stoodAt, " m in the step before, in the plane of the scene"),
+	const double z = state_pos(body_state(container[layerId]))[2];
+	if (layerId != before || !isSame(bodies[layerId].identity, container[layerId]))
+		layer = z;
+	else if (std::isfinite(z) && std::abs(z - layer) > 1e-9 * world.bodies[layerId].radius)
+		refuseBody(layerId, text("has z = ", z, " m but stood at z = ", layer, " m in the step before, in the plane of the scene"),
 		    "Set the third component of its state.pos back. A scene that moves to another plane as a whole needs a new engine: "
 		    "O.engines=cd_engine.engines()");
 }
@@ -77,12 +96,12 @@ void SceneLink::checkMotion(int id)
 	mustBeFinite(id, "a position", position);
 	mustBeFinite(id, "a velocity", velocity);
 	mustBeFinite(id, "an angular velocity", spin);
-	constexpr unsigned outside = dofZ | rotX | rotY;
+	constexpr unsigned outside = ~(dofs[0] | dofs[1] | dofs[2]) & 63; // z and the rotations about x and y
 	if ((state_blockedDOFs(state) & outside) != outside) {
 		if (body_clumpId(bodies[id].body) >= 0)
 			refuseBody(id, "belongs to a clump", releaseClump);
-		if (kindOf(bodies[id].shape) < 0)
-			readShape(id, world.bodies[id]); // refuses it: to set its freedoms would not help
+		if (!kindOf(bodies[id].shape))
+			refuseShape(id, bodies[id].shape); // to set its freedoms would not help
 		refuseBody(id, "is free to leave the x-y plane, in which a scene lies",
 		    "Set O.bodies[#].state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
 	}
@@ -92,10 +111,8 @@ void SceneLink::checkMotion(int id)
 
 void SceneLink::readVelocity(int id, cd::Body& body) const
 {
-	const Vector3r& velocity = state_vel(bodies[id].state);
-	body.v[0] = velocity[0];
-	body.v[1] = velocity[1];
-	body.v[2] = state_angVel(bodies[id].state)[2];
+	for (int k = 0; k < cd::Plane::freedoms; k++)
+		body.v[k] = velocityOf(bodies[id].state, k);
 }
 
 void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces) const
@@ -107,7 +124,7 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	readVelocity(id, body);
 
 	const unsigned blocked = state_blockedDOFs(state);
-	const bool moves = !(blocked & dofX) || !(blocked & dofY), turns = !(blocked & rotZ);
+	const bool moves = (blocked & dofs[0]) == 0 || (blocked & dofs[1]) == 0, turns = (blocked & dofs[2]) == 0;
 	const double mass = state_mass(state), inertia = state_inertia(state)[2];
 	if (moves && !(mass > 0 && std::isfinite(mass)))
 		refuseBody(id, text("is free to move but has the mass ", mass, " kg"),
@@ -115,10 +132,9 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	if (turns && !(inertia > 0 && std::isfinite(inertia)))
 		refuseBody(id, text("is free to turn but has the moment of inertia ", inertia, " kg m^2 about z"),
 		    "Set O.bodies[#].state.inertia, or block 'Z'");
-	body.inverseMass[0] = blocked & dofX ? 0 : 1 / mass;
-	body.inverseMass[1] = blocked & dofY ? 0 : 1 / mass;
-	body.inverseMass[2] = blocked & rotZ ? 0 : 1 / inertia;
-	std::fill_n(body.force, 3, 0.);
+	for (int k = 0; k < cd::Plane::freedoms; k++)
+		body.inverseMass[k] = blocked & dofs[k] ? 0 : 1 / (k < cd::Plane::components ? mass : inertia);
+	std::fill_n(body.force, cd::Plane::freedoms, 0.);
 	if (!moves && !turns)
 		return;
 	Vector3r force = forces.getForce(id), torque = forces.getTorque(id);
@@ -131,59 +147,37 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	body.force[2] = torque[2];
 }
 
-// Which of cd::ShapeKind a shape is, -1: none of them. The address of a shape identifies nothing, because a new shape may get the address of an old
-// one.
-int SceneLink::kindOf(const void* shape)
+// Reads class, size and orientation of the shape, any of which may change at any time. Returns whether it is in the plane of the disks.
+bool SceneLink::readShape(int id, cd::Body& body)
 {
-	static Kind kinds[] = { { "Sphere", Kind::exactly }, { "Box", Kind::exactly }, { "Wall", Kind::exactly } };
-	const auto found = std::find_if(std::begin(kinds), std::end(kinds), [&](Kind& isKind) { return isKind(shape); });
-	return found == std::end(kinds) ? -1 : static_cast<int>(found - kinds);
-}
-
-// Reads class, size and orientation of the shape, any of which may change at any time.
-void SceneLink::readShape(int id, cd::Body& body)
-{
-	KnownBody& known = bodies[id];
-	const int found = kindOf(known.shape);
-	if (found < 0) {
-		// A clump is a body itself. Its id comes after those of its members, which need no test of their own for this.
-		const std::string name = className(known.shape);
-		if (name == "Clump")
-			refuseBody(id, "is a clump", releaseClump);
-		refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
-	}
-	const auto kind = static_cast<cd::ShapeKind>(found);
+	const auto kind = kindOf(bodies[id].shape);
+	if (!kind)
+		refuseShape(id, bodies[id].shape);
 	cd::Shape& shape = world.shapes[id];
-	if (shape.kind != kind) {
+	if (shape.kind != *kind) {
 		shape = {};
-		shape.kind = kind;
+		shape.kind = *kind;
 	}
-	known.boundary = kind != cd::ShapeKind::disk;
 	body.radius = 0;
-	if (kind == cd::ShapeKind::disk)
-		readDisk(id, body);
-	else if (kind == cd::ShapeKind::box)
-		readBox(id, shape);
-	else
-		readWall(id, shape);
+	return *kind == cd::ShapeKind::disk ? readDisk(id, body) : *kind == cd::ShapeKind::box ? readBox(id, shape) : readWall(id, shape);
 }
 
-void SceneLink::readDisk(int id, cd::Body& body)
+bool SceneLink::readDisk(int id, cd::Body& body)
 {
-	KnownBody& known = bodies[id];
+	const KnownBody& known = bodies[id];
 	const double z = state_pos(known.state)[2], radius = sphere_radius(known.shape);
 	if (!(radius > 0 && std::isfinite(radius)))
 		refuseBody(id, text("has the radius ", radius, " m"), "Set O.bodies[#].shape.radius to a positive number");
 	if (!(std::abs(z - layer) <= 1e-9 * radius))
 		refuseBody(id, text("has z = ", z, " m but body #", layerId, " has z = ", layer, " m"),
 		    "Put all disks in one plane: set the third component of their state.pos");
-	known.inPlane = true;
 	body.radius = radius;
+	return true;
 }
 
-void SceneLink::readBox(int id, cd::Shape& shape)
+bool SceneLink::readBox(int id, cd::Shape& shape)
 {
-	KnownBody& known = bodies[id];
+	const KnownBody& known = bodies[id];
 	const Vector3r& extents = box_extents(known.shape);
 	if (!extents.allFinite() || extents[0] < 0 || extents[1] < 0 || extents[2] < 0)
 		refuseBody(id, text("is a box with the extents ", extents[0], ", ", extents[1], ", ", extents[2], " m"),
@@ -194,11 +188,11 @@ void SceneLink::readBox(int id, cd::Shape& shape)
 		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: O.bodies[#].state.ori");
 	if (!(norm > 0.5 && norm < 2))
 		refuseBody(id, "has an orientation that is not a rotation", "Set O.bodies[#].state.ori to a unit quaternion");
-	// A box that the disks' plane does not cut (a front or back wall) is never touched.
-	known.inPlane = layerId < 0 || std::abs(state_pos(known.state)[2] - layer) <= extents[2] * (1 + 1e-9);
 	shape.ex = extents[0];
 	shape.ey = extents[1];
 	orient(id);
+	// A box that the disks' plane does not cut (a front or back wall) is never touched.
+	return layerId < 0 || std::abs(state_pos(known.state)[2] - layer) <= extents[2] * (1 + 1e-9);
 }
 
 // Computes the orientation of a box in the plane.
@@ -211,14 +205,14 @@ void SceneLink::orient(int id)
 }
 
 // A wall is as wide as the plane, so it has no point to turn about.
-void SceneLink::readWall(int id, cd::Shape& shape)
+bool SceneLink::readWall(int id, cd::Shape& shape)
 {
-	KnownBody& known = bodies[id];
+	const KnownBody& known = bodies[id];
 	const double spin = state_angVel(known.state)[2];
 	if (spin != 0)
 		refuseBody(id, text("is a wall with the angular velocity ", spin, " rad/s about z"),
 		    "Set O.bodies[#].state.angVel to 0, or use a Box, which can turn");
-	if (!(state_blockedDOFs(known.state) & rotZ))
+	if (!(state_blockedDOFs(known.state) & dofs[2]))
 		refuseBody(id, "is a wall that is free to turn about z", "Block 'Z' in O.bodies[#].state.blockedDOFs, or use a Box, which can turn");
 	shape.axis = wall_axis(known.shape);
 	shape.sense = wall_sense(known.shape);
@@ -227,7 +221,7 @@ void SceneLink::readWall(int id, cd::Shape& shape)
 		    "Set O.bodies[#].shape.axis to 0 or 1, the axis it is perpendicular to (2: before or behind the plane, never touched)");
 	if (shape.sense < -1 || shape.sense > 1)
 		refuseBody(id, text("is a wall with the sense ", shape.sense), "Set O.bodies[#].shape.sense to -1, 0 or 1");
-	known.inPlane = shape.axis != 2;
+	return shape.axis != 2;
 }
 
 void SceneLink::readFriction(int id, void* mat)
@@ -240,7 +234,7 @@ void SceneLink::readFriction(int id, void* mat)
 	    std::find(materials.begin(), materials.end(), vtable) == materials.end()) {
 		materials.push_back(vtable);
 		if (const std::string name = className(mat); name != "FrictMat")
-			tell(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
+			warnOnce(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
 			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));
 	}
 	const double angle = frictMat_frictionAngle(mat);
@@ -255,19 +249,22 @@ void SceneLink::readFriction(int id, void* mat)
 }
 
 // Warns if somebody sets the position of a body without that freedom step by step, since no disk sees it come. Once or twice may be a new beginning.
-void SceneLink::tellOfPlacing(int id, bool same, double x, double y, long step)
+// x, y: where the same body was after the last step.
+void SceneLink::warnOfPlacing(int id, double x, double y, long step)
 {
 	constexpr int often = 3, apart = 100; // steps between two moves from which on a scene is rather set up anew
 	const cd::Body& b = world.bodies[id];
-	const bool placed = same && ((b.x != x && b.inverseMass[0] == 0 && b.v[0] == 0) || (b.y != y && b.inverseMass[1] == 0 && b.v[1] == 0));
-	const bool again = step - bodies[id].placedAt < apart;
-	bodies[id].placed = !placed ? 0 : again ? std::min(bodies[id].placed + 1, often) : 1;
-	if (placed)
-		bodies[id].placedAt = step;
-	if (bodies[id].placed < often)
+	KnownBody& known = bodies[id];
+	if ((b.x == x || b.inverseMass[0] != 0 || b.v[0] != 0) && (b.y == y || b.inverseMass[1] != 0 || b.v[1] != 0)) {
+		known.placed = 0;
+		return;
+	}
+	known.placed = step - known.placedAt < apart ? std::min(known.placed + 1, often) : 1;
+	known.placedAt = step;
+	if (known.placed < often)
 		return;
 	placesBoundaries = true;
-	tell(text("body #", id, " is moved by its position while its velocity is 0: Contact Dynamics sees velocities only."),
+	warnOnce(text("body #", id, " is moved by its position while its velocity is 0: Contact Dynamics sees velocities only."),
 	    text("It came by ", std::hypot(b.x - x, b.y - y), " m since the last step and cuts into what is there. Set O.bodies[", id,
 		"].state.vel instead, in an engine before ContactDynamics."));
 }
@@ -276,8 +273,8 @@ void SceneLink::tellOfPlacing(int id, bool same, double x, double y, long step)
 void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceContainer& forces, long step)
 {
 	KnownBody& known = bodies[id];
-	const bool same = known.exists && isSame(known.identity, body);
-	if (known.exists && !same)
+	const bool same = known.body && isSame(known.identity, body);
+	if (known.body && !same)
 		gone.push_back(id);
 	if (!body) {
 		known = KnownBody();
@@ -288,24 +285,25 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 	if (!same) {
 		known.identity = body;
 		known.came = step;
+		known.placed = 0;
 	}
 	known.body = body.get();
 	known.state = body_state(body).get();
 	known.shape = body_shape(body).get();
-	known.exists = true;
 	if (!known.state)
 		refuseBody(id, "has no state", "Give it one: O.bodies[#].state=State()");
 	if (!known.shape)
 		refuseBody(id, "has no shape", "Set O.bodies[#].shape to a Sphere, Box or Wall, or erase the body");
 	checkMotion(id);
 	std::copy_n(&state_ori(known.state), 4, orientations[id].data());
-	readShape(id, world.bodies[id]);
+	const bool inPlane = readShape(id, world.bodies[id]);
 	readFriction(id, body_material(body).get());
 	const double x = world.bodies[id].x, y = world.bodies[id].y;
 	readMotion(id, world.bodies[id], forces);
 	constexpr int bounded = 1; // YADE's bit of Body.flags
-	world.masks[id] = known.inPlane && (body_flags(body) & bounded) != 0 ? body_groupMask(body) : 0;
-	tellOfPlacing(id, same && world.masks[id] != 0, x, y, step);
+	world.masks[id] = inPlane && (body_flags(body) & bounded) != 0 ? body_groupMask(body) : 0;
+	if (same && world.masks[id] != 0)
+		warnOfPlacing(id, x, y, step);
 }
 
 void SceneLink::gatherBodies(yade::Scene* scene)
@@ -317,8 +315,6 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 	const int count = static_cast<int>(container.size());
 	bool changed = outdated || bodies.size() != container.size();
 	outdated = true; // stays true if a body is refused
-	for (std::size_t id = container.size(); id < bodies.size(); id++)
-		gone.push_back(static_cast<int>(id));
 	bodies.resize(count);
 	orientations.resize(count);
 	world.bodies.resize(count);
@@ -328,11 +324,11 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 	for (int id = 0; id < count; id++) {
 		if (id + ahead < count)
 			prefetchBody(bodies[id + ahead]);
-		const KnownBody& known = bodies[id];
-		const bool boundary = known.boundary, inPlane = known.inPlane;
+		const bool boundary = isBoundary(world.bodies[id]), joins = world.masks[id] != 0;
 		readBody(id, container[id], forces, scene_iter(scene));
-		changed = changed || known.boundary != boundary || known.inPlane != inPlane;
+		changed = changed || isBoundary(world.bodies[id]) != boundary || (world.masks[id] != 0) != joins;
 	}
+	std::sort(gone.begin(), gone.end());
 	outdated = changed || !gone.empty();
 }
 

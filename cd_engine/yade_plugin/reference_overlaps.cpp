@@ -19,8 +19,8 @@ namespace {
 std::string SceneLink::behindWall(const cd::Pair& pair) const
 {
 	const cd::Shape& wall = world.shapes[pair.a];
-	const cd::Body &a = world.bodies[pair.a], &b = world.bodies[pair.b];
-	if (a.radius > 0 || wall.kind != cd::ShapeKind::wall || wall.sense * (wall.axis == 0 ? b.x - a.x : b.y - a.y) >= 0)
+	const cd::Body &a = world.bodyOf(pair.a), &b = world.bodyOf(pair.b);
+	if (!isBoundary(a) || wall.kind != cd::ShapeKind::wall || wall.sense * (wall.axis == 0 ? b.x - a.x : b.y - a.y) >= 0)
 		return "";
 	return text("body #", pair.b, " is behind Wall #", pair.a, ", which with sense=", wall.sense, " has one side only and is solid behind it. ",
 	    "Move the body to the other side, or set O.bodies[", pair.a, "].shape.sense=0 for a wall of two sides");
@@ -34,33 +34,33 @@ double SceneLink::takeOverlaps()
 	struct Worst {
 		const cd::Pair* pair = nullptr;
 		double share = 0; // its overlap over the radius
-	} worst, unpressed;
+	} worst, unloaded;
 	for (const cd::Pair& pair : world.pairs) {
-		const cd::Place a = cd::placeAhead(world.bodies[pair.a], 0), b = cd::placeAhead(world.bodies[pair.b], 0);
+		const cd::Place a = cd::placeAhead(world.bodyOf(pair.a), 0), b = cd::placeAhead(world.bodyOf(pair.b), 0);
 		const double overlap = overlaps.emplace_back(std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap));
 		if (isGuided(world, pair))
 			continue;
 		largest = std::max(largest, overlap);
-		const double share = overlap / world.bodies[pair.b].radius;
+		const double share = overlap / world.bodyOf(pair.b).radius;
 		if (!(share <= worst.share))
 			worst = { &pair, share };
-		if (!(share <= unpressed.share) && !world.carried[&pair - world.pairs.data()].any())
-			unpressed = { &pair, share };
+		if (!(share <= unloaded.share) && !world.carried[&pair - world.pairs.data()].any())
+			unloaded = { &pair, share };
 	}
 	const auto what = [](const Worst& of) {
 		return text("bodies #", of.pair->a, " and #", of.pair->b, " overlap by ", of.share, " of a radius at the start");
 	};
 	if (!(worst.share <= mostOverlap)) {
 		const std::string reason = behindWall(*worst.pair);
-		const bool plate = worst.share > 1 && bodies[worst.pair->a].boundary;
+		const bool plate = worst.share > 1 && isBoundary(world.bodyOf(worst.pair->a));
 		const std::string remedy = plate ? text(", or erase body #", worst.pair->a, " if it is a plate in front of or behind the disks") : "";
 		throw SceneError(
 		    "ContactDynamics: " + (reason.empty() ? what(worst) + ", more than springs leave behind. Move them apart" + remedy : reason));
 	}
 	for (std::size_t k = 0; k < overlaps.size(); k++)
 		world.pairs[k].reference = overlaps[k];
-	if (unpressed.share > visible && told.insert("overlap").second)
-		tell(what(unpressed) + ", and no spring force acts between them. The engine keeps this overlap and counts it as touching.",
+	if (unloaded.share > visible && warned.insert("overlap").second)
+		warnOnce(what(unloaded) + ", and no spring force acts between them. The engine keeps this overlap and counts it as touching.",
 		    "Move such bodies apart, or set handover=False and gapCorrection=0.1, which removes overlaps.");
 	return largest;
 }
@@ -96,11 +96,14 @@ double ReferenceOverlaps::of(int id1, int id2) const
 	return found != end && pair(*found) == wanted ? overlaps[*found] : 0;
 }
 
-template <class Condition> void ReferenceOverlaps::forgetIf(const Condition& ended) const
+void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which) const
 {
+	std::set<std::pair<int, int>> all;
+	for (const int32_t i : which)
+		all.insert(std::minmax(pairs[i].a, pairs[i].b));
 	std::size_t kept = 0;
 	for (std::size_t i = 0; i < overlaps.size(); i++) {
-		if (ended(pair(i)))
+		if (all.count(pair(i)) > 0)
 			continue;
 		ids[2 * kept] = ids[2 * i];
 		ids[2 * kept + 1] = ids[2 * i + 1];
@@ -108,21 +111,6 @@ template <class Condition> void ReferenceOverlaps::forgetIf(const Condition& end
 	}
 	ids.resize(2 * kept);
 	overlaps.resize(kept);
-}
-
-void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which) const
-{
-	std::set<std::pair<int, int>> all;
-	for (const int32_t i : which)
-		all.insert(std::minmax(pairs[i].a, pairs[i].b));
-	forgetIf([&](const std::pair<int, int>& pair) { return all.count(pair) > 0; });
-}
-
-void ReferenceOverlaps::forgetBodies(const std::vector<int>& which) const
-{
-	const std::set<int> all(which.begin(), which.end());
-	if (!all.empty())
-		forgetIf([&](const std::pair<int, int>& pair) { return all.count(pair.first) > 0 || all.count(pair.second) > 0; });
 }
 
 } // namespace cd_engine

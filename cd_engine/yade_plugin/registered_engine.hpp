@@ -99,13 +99,9 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		E().pyRegisterClass(py::import("yade.wrapper"));
 	}
 
-	template <class Archive> void serialize(Archive& archive, unsigned version)
+	template <class Archive> void serialize(Archive& archive, unsigned)
 	{
 		using boost::serialization::make_nvp;
-		if (version == 0)
-			throw SceneError(std::string(E::name)
-			    + ": the scene was saved by a version of this engine that did not store the names of its attributes. Create the scene "
-			      "again with your script.");
 		const std::lock_guard<std::mutex> lock(attributesLock);
 		// Of E itself: Boost.Serialization learns here how to cast between E and its registered base.
 		archive& make_nvp("GlobalEngine", boost::serialization::base_object<yade::GlobalEngine>(self()));

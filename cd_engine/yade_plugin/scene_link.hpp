@@ -16,8 +16,9 @@
 
 namespace cd_engine {
 
-// Bits of State.blockedDOFs.
-constexpr unsigned dofX = 1, dofY = 2, dofZ = 4, rotX = 8, rotY = 16, rotZ = 32;
+// Of each freedom of the plane: its bit in State.blockedDOFs, and its velocity in a State.
+constexpr unsigned dofs[cd::Plane::freedoms] = { 1, 2, 32 };
+inline double& velocityOf(void* state, int k) { return k < cd::Plane::components ? state_vel(state)[k] : state_angVel(state)[2]; }
 
 // Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {
@@ -26,11 +27,9 @@ struct ReferenceOverlaps {
 
 	double of(int id1, int id2) const; // 0 if the pair has none
 	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which) const;
-	void forgetBodies(const std::vector<int>& ids) const;
 
     private:
 	std::pair<int, int> pair(std::size_t i) const { return { ids[2 * i], ids[2 * i + 1] }; }
-	template <class Condition> void forgetIf(const Condition&) const;
 };
 
 // What the engine keeps about the pairs from step to step, and saves.
@@ -43,10 +42,7 @@ struct Memory {
 // A body of this step. Its addresses are valid in this step only. Before the next step reads them again, it only prefetches from them.
 struct KnownBody {
 	boost::weak_ptr<yade::Body> identity;
-	void *body = nullptr, *shape = nullptr, *state = nullptr;
-	bool exists = false;
-	bool inPlane = false; // in the plane of the disks: takes part in contacts
-	bool boundary = false;
+	void *body = nullptr, *shape = nullptr, *state = nullptr; // no body: the id is erased
 	long came = -1; // step in which it was first read
 	int placed = 0; // number of steps in a row before which somebody has set its position
 	long placedAt = 0; // the last of them
@@ -54,31 +50,29 @@ struct KnownBody {
 };
 void prefetchBody(const KnownBody&);
 
-// The objects of an interaction that hold the force of its contact.
-struct Forces {
-	void *geom, *phys; // null: none, or of a class that cannot hold a contact's force
-	bool any; // whether there is any object at all
-};
-// The same objects, owned.
-struct Spare {
-	Shared<yade::IGeom> geom;
-	Shared<yade::IPhys> phys;
+// The objects that hold the force of a contact. They are kept while it is unloaded, since making new ones costs more than all else.
+struct ForceObjects {
+	Shared<yade::IGeom> geom {}; // null: none, or of a class that cannot hold a contact's force
+	Shared<yade::IPhys> phys {};
+	bool real = false; // whether the interaction has objects now: these, or others if geom is null
+
+	bool inUse() const { return real && geom; }
 };
 
 class SceneLink {
     public:
 	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
-	// Reads the scene, unless the scene is out of date. `look`: whether this step checks that the order of the bodies is still good. `margin`:
-	// the searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool look, double margin, cd::TimeStep&,
+	// Reads the scene, unless the scene is out of date. checksOrder: whether this step checks that the order of the bodies is still good.
+	// `margin`: the searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder, double margin, cd::TimeStep&,
 	    const std::vector<double>& outran);
 	// The same without changing the scene, and with only the permanent external forces. Needs a link of its own.
-	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool look);
+	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder);
 	// Makes the overlaps present now the reference ones. Returns the largest one of two bodies of which one can move [m].
 	double takeOverlaps();
 	// Turns the bodies by a step of dt. From then on the scene is out of date, until it is published.
-	void hold(cd::TimeStep&, double dt);
+	void finishStep(cd::TimeStep&, double dt);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
 	void publish(yade::Scene*, cd::TimeStep&);
@@ -94,9 +88,9 @@ class SceneLink {
 	const cd::PairSearch& pairSearch() const { return search; }
 	int lost() { return search.lost(world); }
 	// Whether the scene is out of date: steps have been made that are not published.
-	bool ahead() const { return behind; }
+	bool isUnpublished() const { return unpublished; }
 	// Whether all positions and velocities after the last step are finite. If not, the next step refuses them when it reads them.
-	bool finite() const { return numbers; }
+	bool isFinite() const { return finite; }
 
 	void collectOverlaps(const ReferenceOverlaps& into) const;
 	// Whether somebody moves a boundary by its position.
@@ -106,37 +100,34 @@ class SceneLink {
 	// If it is a disk behind a Wall that has only one side: a sentence for the user that says so. Else empty.
 	std::string behindWall(const cd::Pair&) const;
 
-	// Prints a warning once.
-	void tell(const std::string& what, const std::string& remedy);
+	void warnOnce(const std::string& what, const std::string& remedy);
 
     private:
 	void checkScene(yade::Scene*, double dt);
 	void gatherBodies(yade::Scene*);
 	void findLayer(yade::BodyContainer&);
-	static int kindOf(const void* shape);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);
 	void readVelocity(int id, cd::Body&) const;
-	void readShape(int id, cd::Body&);
-	void readDisk(int id, cd::Body&);
-	void readBox(int id, cd::Shape&);
-	void readWall(int id, cd::Shape&);
+	bool readShape(int id, cd::Body&);
+	bool readDisk(int id, cd::Body&);
+	bool readBox(int id, cd::Shape&);
+	bool readWall(int id, cd::Shape&);
 	void readFriction(int id, void* mat);
-	void tellOfPlacing(int id, bool same, double x, double y, long step);
+	void warnOfPlacing(int id, double x, double y, long step);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&) const;
 	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers&);
-	void tellOfFalls(double dt);
+	void warnOfUnheldBoundaries(double dt);
 	void keepPairs();
-	void takePairs(yade::Scene*, const std::vector<int>& rank);
+	void takePairs(yade::Scene*);
 	void forget(yade::Interaction*) const;
 	void turn(std::size_t pair) const;
-	void listPairs(const Memory&, bool all);
+	void takeReferences(const Memory&, bool all);
 	bool readForces(cd::Sleepers*);
+	cd::Carried readForce(std::size_t pair, bool turned);
 	void setFriction(cd::Threads&);
-	void recycle(Spare&&);
-	Spare takeSpare();
+	void recycle(ForceObjects&&);
 	void makeReal(std::size_t pair);
-	void makeUnreal(std::size_t pair);
 	void orient(int id);
 	void publishScene(yade::Scene*, const cd::TimeStep&);
 	void insert(yade::InteractionContainer&, std::size_t pair);
@@ -150,20 +141,17 @@ class SceneLink {
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
 	std::vector<Shared<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
 	cd::PairSearch search;
-	std::vector<cd::NearPair> pairs, before; // pairs: those of world.pairs; before: scratch
-	std::vector<int32_t> left; // scratch
 	std::vector<yade::Interaction*> interactions; // of world.pairs; null: the pair has carried nothing yet
+	std::vector<ForceObjects> objects; // of world.pairs, as last read or published
+	std::vector<ForceObjects> pool; // of pairs that no longer exist, for reuse
 	std::vector<yade::Interaction*> parted; // of pairs that no longer exist, until the scene is published
-	bool inspecting = false; // the scene is only looked at
-	std::set<std::string> told; // warnings that have been printed
+	bool inspecting = false; // the scene is only inspected, not changed
+	std::set<std::string> warned; // warnings that have been printed
 	bool placesBoundaries = false;
-	std::vector<Forces> forces; // of world.pairs, as last read or published
-	bool behind = false; // whether the scene is out of date
+	bool unpublished = false; // whether the scene is out of date
 	std::vector<int> driven; // boundaries whose velocities in the scene are up to date nevertheless
-	bool numbers = true; // whether the motion after the last step is finite
-	double heldStep = 0; // length of the last step held [s]
-	std::vector<Spare> spare; // of world.pairs: kept while a contact is unloaded, since making new objects costs more than all else
-	std::vector<Spare> pool; // of pairs that no longer exist, for reuse
+	bool finite = true; // whether the motion after the last step is finite
+	double lastDt = 0; // length of the last step [s]
 	Vector3r gravity = Vector3r::Zero();
 	double layer = 0; // z of the disks [m]
 	int layerId = -1; // the disk from which z was taken

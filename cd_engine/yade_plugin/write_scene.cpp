@@ -17,12 +17,12 @@ namespace {
 	}
 
 	// Prefetches the memory lines that writeContact writes.
-	void prefetchContact(const Forces& f)
+	void prefetchContact(const ForceObjects& o)
 	{
-		if (!f.geom)
+		if (!o.inUse())
 			return;
-		prefetch(f.geom, { geom_normal, geom_contactPoint + 16, geom_penetrationDepth });
-		prefetch(f.phys, { phys_normalForce, phys_tangensOfFrictionAngle });
+		prefetch(o.geom.get(), { geom_normal, geom_contactPoint + 16, geom_penetrationDepth });
+		prefetch(o.phys.get(), { phys_normalForce, phys_tangensOfFrictionAngle });
 	}
 
 	// Whether the bounding boxes that the collider knows are apart, or one is missing.
@@ -39,26 +39,17 @@ namespace {
 
 // Keeps the objects of forgotten pairs, so that contacts that come and go allocate no memory. Objects that somebody else holds, or that springs have
 // made, are not kept, because stiffnesses stay with their pair.
-void SceneLink::recycle(Spare&& s)
+void SceneLink::recycle(ForceObjects&& o)
 {
 	static Kind isPlainGeom { "ScGeom", Kind::exactly }, isPlainPhys { "FrictPhys", Kind::exactly };
-	if (s.geom.use_count() == 1 && s.phys.use_count() == 1 && isPlainGeom(s.geom.get()) && isPlainPhys(s.phys.get()) && phys_kn(s.phys) == 0)
-		pool.push_back(std::move(s));
-}
-
-Spare SceneLink::takeSpare()
-{
-	if (pool.empty())
-		return { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
-	Spare taken = std::move(pool.back());
-	pool.pop_back();
-	return taken;
+	if (o.geom.use_count() == 1 && o.phys.use_count() == 1 && isPlainGeom(o.geom.get()) && isPlainPhys(o.phys.get()) && phys_kn(o.phys) == 0)
+		pool.push_back(std::move(o));
 }
 
 // Gives an interaction to a pair that carries something for the first time.
 void SceneLink::insert(yade::InteractionContainer& container, std::size_t index)
 {
-	const int a = pairs[index].a, b = pairs[index].b;
+	const int a = world.pairs[index].a, b = world.pairs[index].b;
 	if (!container.find(a, b))
 		container.insert(a, b);
 	interactions[index] = container.find(a, b).get();
@@ -89,36 +80,30 @@ void SceneLink::eraseParted(yade::Scene* scene)
 // Gives an interaction the objects that hold its force: those from when it was last loaded, or others, in which every member is set anew.
 void SceneLink::makeReal(std::size_t index)
 {
-	auto& geom = interaction_geom(interactions[index]);
-	auto& phys = interaction_phys(interactions[index]);
-	if (!spare[index].geom)
-		spare[index] = takeSpare();
-	geom = spare[index].geom;
-	phys = spare[index].phys;
-	forces[index] = { geom.get(), phys.get(), true };
-	const cd::Pair& pair = world.pairs[index];
-	const double radiusB = world.bodies[pair.b].radius;
-	geom_refR1(geom) = bodies[pair.a].boundary ? radiusB : world.bodies[pair.a].radius;
-	geom_refR2(geom) = radiusB;
-	geom_shearInc(geom) = Vector3r::Zero();
-	geom_normal(geom) = Vector3r::Zero(); // YADE does not initialise it; no contact has a zero normal
-}
-
-void SceneLink::makeUnreal(std::size_t index)
-{
-	if (forces[index].geom)
-		spare[index] = { interaction_geom(interactions[index]), interaction_phys(interactions[index]) };
-	forces[index] = { nullptr, nullptr, false };
-	forget(interactions[index]);
+	ForceObjects& o = objects[index];
+	if (!o.geom && pool.empty())
+		o = { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
+	else if (!o.geom) {
+		o = std::move(pool.back());
+		pool.pop_back();
+	}
+	o.real = true;
+	interaction_geom(interactions[index]) = o.geom;
+	interaction_phys(interactions[index]) = o.phys;
+	const cd::Body &a = world.bodyOf(world.pairs[index].a), &b = world.bodyOf(world.pairs[index].b);
+	geom_refR1(o.geom) = isBoundary(a) ? b.radius : a.radius;
+	geom_refR2(o.geom) = b.radius;
+	geom_shearInc(o.geom) = Vector3r::Zero();
+	geom_normal(o.geom) = Vector3r::Zero(); // YADE does not initialise it; no contact has a zero normal
 }
 
 // The forces in YADE's signs: normalForce + shearForce act on the second body.
 void SceneLink::writeContact(std::size_t index, const cd::Touch& touch)
 {
 	const cd::Carried& carried = world.carried[index];
-	assert(interaction_id1(interactions[index]) == pairs[index].a);
+	assert(interaction_id1(interactions[index]) == world.pairs[index].a);
 	interaction_iterMadeReal(interactions[index]) = carried.since;
-	void *const g = forces[index].geom, *const p = forces[index].phys;
+	void *const g = objects[index].geom.get(), *const p = objects[index].phys.get();
 	geom_contactPoint(g) = Vector3r(touch.cx, touch.cy, layer);
 	geom_penetrationDepth(g) = touch.overlap;
 	phys_tangensOfFrictionAngle(p) = world.pairs[index].mu;
@@ -134,23 +119,20 @@ void SceneLink::writeMotion(std::size_t id)
 	state_pos(state).head<2>() << body.x, body.y;
 	// Blocked freedoms keep their velocity. Somebody may have blocked them, or set another velocity, meanwhile, at the console of a run.
 	const unsigned blocked = state_blockedDOFs(state);
-	if (body.inverseMass[0] > 0 && !(blocked & dofX))
-		state_vel(state)[0] = body.v[0];
-	if (body.inverseMass[1] > 0 && !(blocked & dofY))
-		state_vel(state)[1] = body.v[1];
-	if (body.inverseMass[2] > 0 && !(blocked & rotZ))
-		state_angVel(state)[2] = body.v[2];
+	for (int k = 0; k < cd::Plane::freedoms; k++)
+		if (body.inverseMass[k] > 0 && !(blocked & dofs[k]))
+			velocityOf(state, k) = body.v[k];
 	std::copy_n(orientations[id].data(), 4, &state_ori(state));
 }
 
 // Applies the rotation of a step about z from the left. For the tiny rotations of quasi-static motion the first terms of the series are exact.
-void SceneLink::hold(cd::TimeStep& step, double dt)
+void SceneLink::finishStep(cd::TimeStep& step, double dt)
 {
 	const auto turn = [&](std::size_t from, std::size_t to) {
-		bool finite = true;
+		bool all = true;
 		for (std::size_t id = from; id < to; id++) {
 			const cd::Body& b = world.bodies[id];
-			finite = finite && (b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0;
+			all = all && (b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0;
 			const double half = 0.5 * b.turn, square = half * half;
 			if (half == 0) // an erased body does not turn
 				continue;
@@ -162,48 +144,45 @@ void SceneLink::hold(cd::TimeStep& step, double dt)
 			// Renormalised, because round-off would grow over 1e6 steps.
 			const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
 			q = { x * inverse, y * inverse, z * inverse, w * inverse };
-			if (b.radius == 0 && world.shapes[id].kind == cd::ShapeKind::box)
+			if (isBoundary(b) && world.shapes[id].kind == cd::ShapeKind::box)
 				orient(static_cast<int>(id));
 		}
-		return finite;
+		return all;
 	};
-	numbers = cd::reduceRanges<bool>(&step.threads, bodies.size(), turn, std::logical_and<bool>());
-	heldStep = dt;
-	behind = true;
+	finite = cd::reduceRanges<bool>(&step.threads, bodies.size(), turn, std::logical_and<bool>());
+	lastDt = dt;
+	unpublished = true;
 }
 
 void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 {
-	assert(spare.size() == world.pairs.size() && forces.size() == world.pairs.size());
+	assert(interactions.size() == world.pairs.size() && objects.size() == world.pairs.size());
 	eraseParted(scene);
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		if (i + early < world.pairs.size())
-			prefetchContact(forces[i + early]);
+			prefetchContact(objects[i + early]);
 		if (world.carried[i].any()) {
 			if (!interactions[i])
 				insert(*scene_interactions(scene), i);
-			if (!forces[i].geom)
+			if (!objects[i].inUse())
 				makeReal(i);
 			writeContact(i, step.touchOf(world, i));
-		} else if (forces[i].any)
-			makeUnreal(i);
+		} else if (objects[i].real) {
+			objects[i].real = false;
+			forget(interactions[i]);
+		}
 	}
-	for (std::size_t id = 0; id < bodies.size(); id++) {
-		if (id + early < bodies.size())
-			prefetchBody(bodies[id + early]);
-		if (bodies[id].exists)
-			writeMotion(id);
-	}
+	saveMotion();
 	if (interactionsOf(scene) != listed)
 		listed = interactionsOf(scene);
-	behind = false;
+	unpublished = false;
 	driven.clear();
 }
 
 bool SceneLink::areBoundaries(const std::vector<int>& ids) const
 {
 	return std::all_of(ids.begin(), ids.end(),
-	    [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].exists && bodies[id].boundary; });
+	    [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].body && isBoundary(world.bodies[id]); });
 }
 
 void SceneLink::publishMotion(const std::vector<int>& ids)
@@ -214,27 +193,31 @@ void SceneLink::publishMotion(const std::vector<int>& ids)
 
 void SceneLink::saveMotion()
 {
-	for (std::size_t id = 0; behind && id < bodies.size(); id++)
-		if (bodies[id].exists)
+	for (std::size_t id = 0; unpublished && id < bodies.size(); id++) {
+		if (id + early < bodies.size())
+			prefetchBody(bodies[id + early]);
+		if (bodies[id].body)
 			writeMotion(id);
+	}
 }
 
 void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
 {
-	if (!behind)
+	if (!unpublished)
 		return;
-	step.lookBack(world, heldStep);
+	step.lookBack(world, lastDt);
 	publishScene(scene, step);
 }
 
 void SceneLink::publish(yade::Scene* scene, cd::TimeStep& step)
 {
+	assert(unpublished && lastDt > 0);
 	const auto& impulses = step.impulsesOn(world); // first, because it may find no memory
 	publishScene(scene, step);
 	auto& container = scene_forces(scene);
-	const double rate = 1 / heldStep;
+	const double rate = 1 / lastDt;
 	for (std::size_t id = 0; id < world.bodies.size(); id++) {
-		if (!bodies[id].exists)
+		if (!bodies[id].body)
 			continue;
 		const double* w = world.bodies[id].inverseMass;
 		const double weight = w[0] > 0 || w[1] > 0 ? state_mass(bodies[id].state) : 0;

@@ -1,5 +1,5 @@
 // Where bodies touch, against geometry done the slow way.
-#include "scene/world.hpp"
+#include "scene/scene.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>

@@ -1,5 +1,4 @@
 // Near pairs: against a look at all of them, while bodies move.
-#include "search/pair_order.hpp"
 #include "search/pair_search.hpp"
 #include "step/time_step.hpp"
 
@@ -17,11 +16,10 @@ using namespace cd;
 
 namespace {
 
-std::vector<NearPair> pairsOf(PairSearch& search, World& w)
+std::vector<Pair> pairsOf(PairSearch& search, World& w, const std::vector<int>& rank = {})
 {
-	std::vector<NearPair> found;
-	search.find(w, found);
-	return found;
+	search.find(w, rank);
+	return w.pairs;
 }
 
 using Ids = std::set<std::pair<int, int>>;
@@ -75,11 +73,11 @@ World scene(int disks, unsigned seed, double speed)
 
 double reach(const World& w, std::size_t i, double dt) { return reachOf(w.bodies[i], wayOf(w.bodies[i], w.shapes[i], dt)); }
 
-bool twoBoundaries(const World& w, int i, int j) { return w.bodies[i].radius == 0 && w.bodies[j].radius == 0; }
+bool twoBoundaries(const World& w, int i, int j) { return isBoundary(w.bodies[i]) && isBoundary(w.bodies[j]); }
 
 double gap(const World& w, int i, int j)
 {
-	if (w.bodies[i].radius > 0)
+	if (!isBoundary(w.bodies[i]))
 		std::swap(i, j); // a boundary comes first
 	return -locateContact(placeAhead(w.bodies[i], 0), placeAhead(w.bodies[j], 0), w.shapes[i]).overlap;
 }
@@ -96,10 +94,10 @@ Ids needed(const World& w, double dt)
 	return ids;
 }
 
-Ids listed(const std::vector<NearPair>& pairs)
+Ids listed(const std::vector<Pair>& pairs)
 {
 	Ids ids;
-	for (const NearPair& p : pairs)
+	for (const Pair& p : pairs)
 		CHECK(ids.insert(std::minmax(p.a, p.b)).second); // each once
 	return ids;
 }
@@ -113,7 +111,7 @@ TEST_CASE("the list holds all pairs that a step may need until it is made anew")
 		for (unsigned seed = 1; seed <= 5; seed++) {
 			World w = scene(150, seed, speed);
 			PairSearch search;
-			std::vector<NearPair> pairs;
+			std::vector<Pair> pairs;
 			int searches = 0;
 			for (int step = 0; step < 60; step++) {
 				if (search.needed(w, dt, 0.1, {})) {
@@ -127,7 +125,7 @@ TEST_CASE("the list holds all pairs that a step may need until it is made anew")
 				for (Body& b : w.bodies) {
 					b.x += dt * b.v[0];
 					b.y += dt * b.v[1];
-					if (b.radius > 0)
+					if (!isBoundary(b))
 						b.v[1] -= 9.81 * dt;
 				}
 			}
@@ -154,7 +152,7 @@ TEST_CASE("fast bodies make nobody else's margin wider")
 		PairSearch search;
 		REQUIRE(search.needed(w, 1e-3, 0.1, {}));
 		std::size_t among = 0;
-		for (const NearPair& p : pairsOf(search, w))
+		for (const Pair& p : pairsOf(search, w))
 			among += std::max(p.a, p.b) < 413;
 		if (speed == 0)
 			slow = among;
@@ -226,19 +224,16 @@ TEST_CASE("bodies far from the origin and one without a rank have their pairs in
 	w.bodies[3].v[0] = 0;
 	PairSearch here, there;
 	REQUIRE(here.needed(w, 1e-3, 0.1, {}));
-	std::vector<NearPair> first = pairsOf(here, w);
+	std::vector<int> rank(w.bodies.size(), std::numeric_limits<int>::max());
+	std::iota(rank.begin(), rank.begin() + 99, 0); // one disk less
+	const std::vector<Pair> first = pairsOf(here, w, rank);
 	for (Body& b : w.bodies) {
 		b.x += 1e7;
 		b.y -= 1e7;
 	}
 	REQUIRE(there.needed(w, 1e-3, 0.1, {}));
-	std::vector<NearPair> second = pairsOf(there, w);
-	std::vector<int> rank(w.bodies.size(), std::numeric_limits<int>::max());
-	std::iota(rank.begin(), rank.begin() + 99, 0); // one disk less
-	sortPairs(first, rank);
-	sortPairs(second, rank);
+	const std::vector<Pair> second = pairsOf(there, w, rank);
 	REQUIRE(first.size() > 50);
-	CHECK((first.back().key >> 40) <= rank.size());
 	const auto ids = listed(first), again = listed(second);
 	std::vector<std::pair<int, int>> lost;
 	std::set_symmetric_difference(ids.begin(), ids.end(), again.begin(), again.end(), std::back_inserter(lost));
@@ -253,45 +248,47 @@ TEST_CASE("masks keep bodies apart as YADE's do")
 	PairSearch search;
 	search.needed(w, 1e-3, 1, {});
 	bool unequal = false;
-	for (const NearPair& p : pairsOf(search, w)) {
+	for (const Pair& p : pairsOf(search, w)) {
 		CHECK((w.masks[p.a] & w.masks[p.b]) != 0);
 		unequal = unequal || w.masks[p.a] != w.masks[p.b];
 	}
 	CHECK(unequal);
 	w.apart = 2;
 	REQUIRE(search.needed(w, 1e-3, 1, {}));
-	for (const NearPair& p : pairsOf(search, w))
+	for (const Pair& p : pairsOf(search, w))
 		CHECK((w.masks[p.a] != w.masks[p.b] || w.masks[p.a] == 1));
 }
 
 TEST_CASE("pairs keep their places in the order whatever others are listed, and are found again")
 {
 	World w = scene(300, 3, 0);
-	PairSearch narrow, wide;
-	narrow.needed(w, 1e-3, 0.1, {});
-	wide.needed(w, 1e-3, 3, {});
-	std::vector<NearPair> few = pairsOf(narrow, w), many = pairsOf(wide, w);
+	PairSearch search;
 	std::mt19937 draw(1);
 	std::vector<int> rank(w.bodies.size(), std::numeric_limits<int>::max());
 	std::iota(rank.begin(), rank.begin() + 300, 0);
 	std::shuffle(rank.begin(), rank.begin() + 300, draw);
 	for (const std::vector<int>& ranks : { std::vector<int> {}, rank }) {
-		std::shuffle(few.begin(), few.end(), draw);
-		sortPairs(few, ranks);
-		sortPairs(many, ranks);
-		std::vector<int32_t> left;
-		findAgain(few, many, left);
+		search.needed(w, 1e-3, 3, {});
+		const std::vector<Pair> many = pairsOf(search, w, ranks);
+		search.needed(w, 1e-3, 0.1, {});
+		const std::vector<Pair> few = pairsOf(search, w, ranks);
 		REQUIRE(few.size() < many.size());
-		CHECK(left.size() == many.size() - few.size());
+		CHECK(search.left().size() == many.size() - few.size());
+		std::vector<int> numbers(many.size());
+		std::iota(numbers.begin(), numbers.end(), 0);
+		search.rearrange(numbers);
 		int32_t before = -1;
-		for (const NearPair& p : few) {
-			REQUIRE(p.from > before);
-			CHECK(many[p.from].a == p.a);
-			CHECK(many[p.from].b == p.b);
-			before = p.from;
+		for (std::size_t k = 0; k < few.size(); k++) {
+			const int32_t from = search.from()[k];
+			REQUIRE(from > before);
+			CHECK(many[from].a == few[k].a);
+			CHECK(many[from].b == few[k].b);
+			CHECK(numbers[k] == from);
+			before = from;
 		}
-		findAgain(many, few, left);
-		CHECK(left.empty());
+		search.needed(w, 1e-3, 3, {});
+		search.find(w, ranks);
+		CHECK(search.left().empty());
 	}
 }
 

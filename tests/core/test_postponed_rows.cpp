@@ -144,7 +144,6 @@ namespace {
 struct Edited : Run {
 	std::mt19937 random;
 	PairSearch search;
-	std::vector<NearPair> near, before;
 	std::vector<Body> asBuilt;
 	StepSettings s;
 	bool counts;
@@ -239,19 +238,7 @@ struct Edited : Run {
 	{
 		if (!search.needed(world, s.dt, 1, outran)) // wide margins, so that the list lasts
 			return step.sleepers.look(world);
-		before = near;
-		search.find(world, near);
-		sortPairs(near, {});
-		std::vector<int32_t> left;
-		findAgain(near, before, left);
-		std::vector<Carried> carried(near.size());
-		for (std::size_t i = 0; i < near.size(); i++)
-			if (near[i].from >= 0)
-				carried[i] = world.carried[near[i].from];
-		world.carried = carried;
-		world.pairs.clear();
-		for (const NearPair& pair : near)
-			world.pairs.push_back({ pair.a, pair.b });
+		search.find(world, {});
 		world.listing += counts;
 		step.sleepers.wakeAll(world);
 	}

@@ -1,7 +1,7 @@
 // Scenes of disks that several tests use, and what such scenes are made of.
 #pragma once
 
-#include "scene/world.hpp"
+#include "scene/scene.hpp"
 
 #include <cstdlib>
 #include <random>

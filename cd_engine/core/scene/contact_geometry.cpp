@@ -1,7 +1,8 @@
 // Where a disk touches a boundary: a box turned in the plane, an axis-parallel wall.
-#include "scene/world.hpp"
+#include "scene/contact_geometry.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd {
@@ -71,7 +72,7 @@ namespace {
 
 Half halfSides(const Body& body, const Shape& shape)
 {
-	if (body.radius > 0)
+	if (!isBoundary(body))
 		return { body.radius, body.radius };
 	if (shape.kind == ShapeKind::wall)
 		return { shape.axis == 0 ? 0 : endless, shape.axis == 1 ? 0 : endless };
@@ -123,6 +124,7 @@ bool isBeyondCorner(const Shape& shape, const Place& boundary, const Place& disk
 
 Foot footOnBoundary(const Shape& shape, double turned, Vector centre)
 {
+	assert(shape.kind != ShapeKind::disk);
 	if (shape.kind == ShapeKind::box)
 		return footOnBox(shape, turned, centre);
 	return footOnWall(shape, shape.sense != 0 ? shape.sense : std::copysign(1., along(shape.axis, centre)), centre);

@@ -23,31 +23,23 @@ void HiddenCorners::list(const World& world)
 	pairs = world.pairs.size();
 	near.clear();
 	for (const Pair& pair : world.pairs)
-		if (world.bodies[pair.a].radius == 0)
+		if (isBoundary(world.bodyOf(pair.a)))
 			near.push_back({ pair.b, pair.a });
 	std::sort(
 	    near.begin(), near.end(), [](const Near& a, const Near& b) { return a.disk != b.disk ? a.disk < b.disk : a.boundary < b.boundary; });
-	std::size_t kept = 0;
-	for (std::size_t from = 0, to; from < near.size(); from = to) {
-		for (to = from; to < near.size() && near[to].disk == near[from].disk;)
-			to++;
-		for (std::size_t k = from; k < to && to - from > 1; k++)
-			near[kept++] = near[k];
-	}
-	near.resize(kept);
 }
 
 bool HiddenCorners::hide(const World& world, const std::vector<Place>& places, const Pair& pair, double dt) const
 {
 	const Place &box = places[pair.a], &disk = places[pair.b];
-	if (box.radius > 0 || !isGuided(world.bodies[pair.a]) || !isBeyondCorner(world.shapes[pair.a], box, disk))
+	if (!isBoundary(box) || !isGuided(world.bodyOf(pair.a)) || !isBeyondCorner(world.shapes[pair.a], box, disk))
 		return false;
 	const Touch touch = locateContact(box, disk, world.shapes[pair.a]);
 	const double distance = disk.radius - touch.overlap;
 	const Vector corner { disk.x - distance * touch.nx, disk.y - distance * touch.ny };
 	const auto first = std::lower_bound(near.begin(), near.end(), pair.b, [](const Near& n, int32_t body) { return n.disk < body; });
 	return std::any_of(first, std::find_if(first, near.end(), [&](const Near& n) { return n.disk != pair.b; }), [&](const Near& n) {
-		const Body& guide = world.bodies[n.boundary];
+		const Body& guide = world.bodyOf(n.boundary);
 		const Place& other = places[n.boundary];
 		const Shape& shape = world.shapes[n.boundary];
 		if (n.boundary == pair.a || !isGuided(guide) || isBeyondCorner(shape, other, disk))
@@ -55,7 +47,7 @@ bool HiddenCorners::hide(const World& world, const std::vector<Place>& places, c
 		const Foot face = footOnBoundary(shape, other.turned, { disk.x - other.x, disk.y - other.y });
 		const Vector normal { face.nx, face.ny };
 		const double above = face.distance - dot(normal, { disk.x - corner.x, disk.y - corner.y });
-		const double rise = dt * (speedOf(world.bodies[pair.a], box, corner, normal) - speedOf(guide, other, corner, normal));
+		const double rise = dt * (speedOf(world.bodyOf(pair.a), box, corner, normal) - speedOf(guide, other, corner, normal));
 		return above + std::max(rise, 0.) <= flush * disk.radius;
 	});
 }

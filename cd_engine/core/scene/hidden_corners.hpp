@@ -4,16 +4,16 @@
 // boundaries that no force moves are hidden, because where other boundaries are at the end of a step is known only when it is solved.
 #pragma once
 
+#include "scene/contact_geometry.hpp"
 #include "scene/world.hpp"
 
-#include <cstdint>
 #include <vector>
 
 namespace cd {
 
 class HiddenCorners {
     public:
-	// Finds the disks that are near several boundaries, if the list of pairs is not that of the last call.
+	// Finds the disks that are near boundaries, if the list of pairs is not that of the last call.
 	void list(const World&);
 	// Whether the corner of box pair.a that is nearest to disk pair.b is hidden during a step dt [s]. False over a face. places: of the bodies,
 	// half a step ahead; the contact law holds at those a whole step later.
@@ -23,7 +23,7 @@ class HiddenCorners {
 	struct Near {
 		int32_t disk, boundary;
 	};
-	std::vector<Near> near; // of the disks near several boundaries, sorted by the disks
+	std::vector<Near> near; // sorted by the disks
 	long listing = 0; // World::listing of the last call
 	std::size_t pairs = 0;
 };

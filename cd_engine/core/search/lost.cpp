@@ -2,6 +2,7 @@
 #include "search/pair_search.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd {
@@ -9,7 +10,7 @@ namespace {
 
 	// The smallest upright rectangle around some bodies.
 	struct Extent {
-		double low[2] = { endless, endless }, high[2] = { -endless, -endless };
+		double low[Plane::components] = { endless, endless }, high[Plane::components] = { -endless, -endless };
 
 		bool empty() const { return low[0] > high[0]; }
 		double spread() const { return std::hypot(high[0] - low[0], high[1] - low[1]); }
@@ -20,8 +21,8 @@ namespace {
 			const Half half = halfSides(b, shape);
 			if (std::isinf(half.x) || std::isinf(half.y))
 				return;
-			const double place[2] = { b.x, b.y }, side[2] = { half.x, half.y };
-			for (const int k : { 0, 1 }) {
+			const double place[] = { b.x, b.y }, side[] = { half.x, half.y };
+			for (int k = 0; k < Plane::components; k++) {
 				low[k] = std::min(low[k], place[k] - side[k]);
 				high[k] = std::max(high[k], place[k] + side[k]);
 			}
@@ -37,9 +38,10 @@ namespace {
 		}
 	};
 
-	bool isBoundary(const World& world, std::size_t i)
+	// Whether it belongs to the scene's outline: a boundary, or a disk that is held in its place.
+	bool isOutline(const World& world, std::size_t i)
 	{
-		const double* const inverse = world.bodies[i].inverseMass;
+		const double* const inverse = world.bodyOf(i).inverseMass;
 		return world.shapes[i].kind != ShapeKind::disk || (inverse[0] == 0 && inverse[1] == 0);
 	}
 
@@ -47,11 +49,11 @@ namespace {
 	bool comesToWall(const World& world, const Body& b)
 	{
 		const bool pulled = b.force[0] != 0 || b.force[1] != 0;
-		for (std::size_t i = 0; i < world.bodies.size(); i++) {
+		for (std::size_t i = 0; i < world.shapes.size(); i++) {
 			if (world.shapes[i].kind != ShapeKind::wall || world.masks[i] == 0)
 				continue;
 			const int k = world.shapes[i].axis;
-			const double way = k == 0 ? world.bodies[i].x - b.x : world.bodies[i].y - b.y;
+			const double way = k == 0 ? world.bodyOf(i).x - b.x : world.bodyOf(i).y - b.y;
 			if (way * (pulled ? b.force[k] : b.v[k]) > 0)
 				return true;
 		}
@@ -62,22 +64,23 @@ namespace {
 
 int leftBehind(const World& world, const std::vector<std::size_t>& some)
 {
+	assert(world.shapes.size() == world.bodies.size() && world.masks.size() == world.shapes.size());
 	if (some.empty())
 		return -1;
 	const auto extentOf = [&world](auto belongs) {
 		Extent extent;
-		for (std::size_t i = 0; i < world.bodies.size(); i++)
+		for (std::size_t i = 0; i < world.shapes.size(); i++)
 			if (world.masks[i] != 0 && belongs(i)) // erased bodies have the mask 0
-				extent.add(world.bodies[i], world.shapes[i]);
+				extent.add(world.bodyOf(i), world.shapes[i]);
 		return extent;
 	};
-	Extent scene = extentOf([&](std::size_t i) { return isBoundary(world, i); });
+	Extent scene = extentOf([&](std::size_t i) { return isOutline(world, i); });
 	if (scene.empty())
 		scene = extentOf([&](std::size_t i) { return std::find(some.begin(), some.end(), i) == some.end(); });
 	if (scene.empty())
 		return -1;
-	scene = extentOf([&](std::size_t i) { return isBoundary(world, i) || !scene.leaves(world.bodies[i]); });
-	const auto isLost = [&](std::size_t i) { return scene.leaves(world.bodies[i]) && !comesToWall(world, world.bodies[i]); };
+	scene = extentOf([&](std::size_t i) { return isOutline(world, i) || !scene.leaves(world.bodyOf(i)); });
+	const auto isLost = [&](std::size_t i) { return scene.leaves(world.bodyOf(i)) && !comesToWall(world, world.bodyOf(i)); };
 	const auto lost = std::find_if(some.begin(), some.end(), isLost);
 	return lost == some.end() ? -1 : static_cast<int>(*lost);
 }

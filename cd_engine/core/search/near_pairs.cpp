@@ -1,15 +1,16 @@
 #include "search/near_pairs.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd {
 namespace {
 
-	constexpr double mostCells = 64; // a body that covers more is not entered in the grid
+	constexpr double mostCells = 64; // a shape that covers more is not entered in the grid
 	constexpr double widthOfCells = 1.5; // in bounding boxes of the median disk
 	constexpr std::size_t sample = 256; // disks whose medians are taken, about
-	constexpr std::size_t fewestPlaces = 256; // more than any body covers
+	constexpr std::size_t fewestPlaces = 256; // more than any shape covers
 
 	// Cells that are neighbours along x get neighbouring slots; the rows are scattered (Knuth, vol. 3, section 6.4).
 	uint32_t placeOf(int32_t x, int32_t y) { return static_cast<uint32_t>(x) + static_cast<uint32_t>(y) * 0x9E3779B1u; }
@@ -27,19 +28,20 @@ namespace {
 
 void NearPairs::find(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found)
 {
-	const std::size_t n = world.bodies.size();
+	const std::size_t n = world.shapes.size();
+	assert(margins.size() == n && world.masks.size() == n);
 	boxes.resize(n);
 	for (auto& values : { &sides, &xs, &ys })
 		values->clear();
 	std::size_t disks = 0;
 	for (std::size_t i = 0; i < n; i++) {
-		const Body& b = world.bodies[i];
+		const Body& b = world.bodyOf(i);
 		const Half half = halfSides(b, world.shapes[i]);
 		const double x = half.x + margins[i], y = half.y + margins[i];
 		boxes[i] = { { b.x - x, b.y - y }, { b.x + x, b.y + y } };
-		if (const Shape& shape = world.shapes[i]; b.radius == 0 && shape.kind == ShapeKind::wall && shape.sense != 0)
+		if (const Shape& shape = world.shapes[i]; isBoundary(b) && shape.kind == ShapeKind::wall && shape.sense != 0)
 			(shape.sense > 0 ? boxes[i].low : boxes[i].high)[shape.axis] = -shape.sense * endless; // solid on the whole of its other side
-		if (world.masks[i] != 0 && b.radius > 0 && disks++ % (1 + n / sample) == 0) {
+		if (world.masks[i] != 0 && !isBoundary(b) && disks++ % (1 + n / sample) == 0) {
 			sides.push_back(2 * x);
 			xs.push_back(b.x);
 			ys.push_back(b.y);
@@ -67,17 +69,17 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 
 int32_t NearPairs::cellOf(double at, int axis) const { return static_cast<int32_t>(std::clamp(std::floor((at - origin[axis]) / width), -1e9, 1e9)); }
 
-void NearPairs::enter(int32_t body)
+void NearPairs::enter(int32_t shape)
 {
-	Box& box = boxes[body];
+	Box& box = boxes[shape];
 	if (!((box.high[0] - box.low[0] + width) * (box.high[1] - box.low[1] + width) <= mostCells * width * width)) {
 		box.large = true;
-		large.push_back(body);
+		large.push_back(shape);
 		return;
 	}
 	const int32_t first[2] = { cellOf(box.low[0], 0), cellOf(box.low[1], 1) }, last[2] = { cellOf(box.high[0], 0), cellOf(box.high[1], 1) };
 	for (int32_t row = first[1]; row <= last[1]; row++)
-		entries.push_back({ box, row, first[1], body, placeOf(first[0], row), placeOf(last[0], row) });
+		entries.push_back({ box, row, first[1], shape, placeOf(first[0], row), placeOf(last[0], row) });
 }
 
 // Counting sort by slot.
@@ -113,7 +115,7 @@ void NearPairs::compareInRows(const World& world, const std::vector<double>& mar
 			for (uint32_t m = from; m < to; m++) {
 				const Entry& q = sorted[m];
 				if ((q.row == p.row) & (std::max(p.firstRow, q.firstRow) == p.row) & p.box.meets(q.box))
-					compare(world, margins, p.body, q.body, found);
+					compare(world, margins, p.shape, q.shape, found);
 			}
 		};
 		const bool wraps = p.lastPlace < p.place;
@@ -126,16 +128,17 @@ void NearPairs::compareInRows(const World& world, const std::vector<double>& mar
 void NearPairs::compare(const World& world, const std::vector<double>& margins, int32_t a, int32_t b, std::vector<NearPair>& found) const
 {
 	constexpr double roundOff = 1e-12;
-	const Body &p = world.bodies[a], &q = world.bodies[b];
-	if (p.radius > 0 && q.radius > 0) {
+	const Body &p = world.bodyOf(a), &q = world.bodyOf(b);
+	if (isBoundary(p) && isBoundary(q))
+		return;
+	if (!isBoundary(p) && !isBoundary(q)) {
 		const double dx = p.x - q.x, dy = p.y - q.y, most = (p.radius + q.radius + margins[a] + margins[b]) * (1 + roundOff);
 		if (dx * dx + dy * dy > most * most)
 			return;
-	} else if (p.radius == q.radius)
-		return; // two boundaries
+	}
 	if (!mayTouch(world.masks[a], world.masks[b], world.apart))
 		return;
-	const bool turned = p.radius > 0 && (q.radius == 0 || b < a);
+	const bool turned = !isBoundary(p) && (isBoundary(q) || b < a);
 	found.push_back(turned ? NearPair { 0, b, a } : NearPair { 0, a, b });
 }
 

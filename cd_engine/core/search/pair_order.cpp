@@ -39,20 +39,19 @@ void sortPairs(std::vector<NearPair>& pairs, const std::vector<int>& rank)
 	std::sort(pairs.begin(), pairs.end(), comesFirst);
 }
 
-void findAgain(std::vector<NearPair>& now, const std::vector<NearPair>& before, std::vector<int32_t>& left)
+void findAgain(const std::vector<NearPair>& now, const std::vector<NearPair>& before, std::vector<int32_t>& from, std::vector<int32_t>& left)
 {
+	from.clear();
 	left.clear();
-	std::size_t old = 0;
-	const auto leaveUpTo = [&](const NearPair* pair) {
-		for (; old < before.size() && (!pair || comesFirst(before[old], *pair)); old++)
-			left.push_back(static_cast<int32_t>(old));
-	};
-	for (NearPair& pair : now) {
-		leaveUpTo(&pair);
-		const bool same = old < before.size() && !comesFirst(pair, before[old]);
-		pair.from = same ? static_cast<int32_t>(old++) : -1;
+	const auto count = static_cast<int32_t>(before.size());
+	int32_t old = 0;
+	for (const NearPair& pair : now) {
+		for (; old < count && comesFirst(before[old], pair); old++)
+			left.push_back(old);
+		from.push_back(old < count && !comesFirst(pair, before[old]) ? old++ : -1);
 	}
-	leaveUpTo(nullptr);
+	for (; old < count; old++)
+		left.push_back(old);
 }
 
 } // namespace cd

@@ -11,8 +11,8 @@ namespace cd {
 // rank: of the bodies along the space-filling curve (space_order.hpp); empty: the numbers of the bodies are their ranks.
 void sortPairs(std::vector<NearPair>&, const std::vector<int>& rank);
 
-// Sets `from` of every pair in `now` to its index in `before`, or to -1. Both lists are sorted by the same ranks. left: the indices of the pairs in
-// `before` that `now` no longer contains.
-void findAgain(std::vector<NearPair>& now, const std::vector<NearPair>& before, std::vector<int32_t>& left);
+// Both lists are sorted by the same ranks. from: of every pair in `now` its index in `before`, or -1. left: the indices of the pairs in `before` that
+// `now` no longer contains.
+void findAgain(const std::vector<NearPair>& now, const std::vector<NearPair>& before, std::vector<int32_t>& from, std::vector<int32_t>& left);
 
 } // namespace cd

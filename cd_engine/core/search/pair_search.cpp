@@ -1,7 +1,9 @@
+#include "search/pair_order.hpp"
 #include "search/pair_search.hpp"
 #include "search/reach.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd {
@@ -21,10 +23,10 @@ namespace {
 // some bodies are fast, slow ones get a margin for the impact that they may suffer.
 void PairSearch::chooseMargins(const World& world)
 {
-	const std::size_t count = world.bodies.size();
+	const std::size_t count = world.shapes.size();
 	quick.clear();
 	for (std::size_t i = 0; i < count; i++)
-		if (world.bodies[i].radius > 0 && ways[i] > least)
+		if (!isBoundary(world.bodyOf(i)) && ways[i] > least)
 			quick.push_back(i);
 	const std::size_t many = std::min(fewQuick + 1, quick.size());
 	std::partial_sort(quick.begin(), quick.begin() + static_cast<long>(many), quick.end(),
@@ -32,14 +34,14 @@ void PairSearch::chooseMargins(const World& world)
 	margins.resize(count);
 	double radii = 0, need = 0, way = 0; // sums over the disks; a disk far faster than the others counts with its radius at most
 	for (std::size_t i = 0; i < count; i++)
-		if (const double radius = world.bodies[i].radius; radius > 0) {
+		if (const double radius = world.bodyOf(i).radius; !isBoundary(world.bodyOf(i))) {
 			radii += radius;
 			need += std::min(needs[i], radius);
 			way += std::min(ways[i], radius);
 		}
 	const double spareWays = way > 0 ? std::clamp((meanMargin * radii - need) / way, leastWays, mostWays) : mostWays;
 	for (std::size_t i = 0; i < count; i++) {
-		const double hit = std::min(world.bodies[i].radius * hitRadius, fastest);
+		const double hit = std::min(world.bodyOf(i).radius * hitRadius, fastest);
 		margins[i] = std::max({ least, hit, needs[i] + spareWays * ways[i] });
 	}
 	double quickWays = mostQuick;
@@ -55,12 +57,12 @@ void PairSearch::chooseMargins(const World& world)
 // The part of its margin that a body has used up by moving [m]; infinite if its radius, mask or shape has changed.
 inline double PairSearch::used(const World& world, std::size_t i) const
 {
-	const Body& b = world.bodies[i];
+	const Body& b = world.bodyOf(i);
 	if (b.radius != seen[i].radius || world.masks[i] != seenMasks[i])
 		return endless;
 	const double x = b.x - seen[i].x, y = b.y - seen[i].y;
 	double way = std::sqrt(x * x + y * y);
-	if (b.radius == 0) {
+	if (isBoundary(b)) {
 		const Shape &now = world.shapes[i], &then = seenShapes[i];
 		if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
 			return endless;
@@ -72,52 +74,52 @@ inline double PairSearch::used(const World& world, std::size_t i) const
 
 bool PairSearch::needed(World& world, double dt, double leastMargin, const std::vector<double>& outran, Threads* threads)
 {
-	const std::size_t count = world.bodies.size();
+	const std::size_t count = world.shapes.size();
+	assert(
+	    dt > 0 && leastMargin >= 0 && count == world.bodies.size() && count == world.masks.size() && (outran.empty() || outran.size() <= count));
 	ways.resize(count);
 	needs.resize(count);
 	world.listed.resize(count);
 	struct Seen {
 		double fastest = 0, smallest = endless;
-		bool complete;
 		int32_t beyond = -1;
 	};
-	const auto look = [&](std::size_t from, std::size_t to) {
+	const bool known = seen.size() == count && world.apart == seenApart;
+	const auto measure = [&](std::size_t from, std::size_t to) {
 		Seen all;
-		all.complete = seen.size() == count && world.apart == seenApart;
 		for (std::size_t i = from; i < to; i++) {
-			const Body& b = world.bodies[i];
+			const Body& b = world.bodyOf(i);
 			const bool joins = world.masks[i] != 0;
 			ways[i] = joins ? wayOf(b, world.shapes[i], dt) : 0;
 			needs[i] = joins ? reachOf(b, ways[i]) : 0;
 			if (joins && i < outran.size())
 				needs[i] = std::max(needs[i], outran[i]);
 			all.fastest = std::max(all.fastest, ways[i]);
-			all.smallest = b.radius > 0 ? std::min(all.smallest, b.radius) : all.smallest;
-			if (!all.complete)
+			all.smallest = isBoundary(b) ? all.smallest : std::min(all.smallest, b.radius);
+			if (!known || all.beyond >= 0)
 				continue;
 			world.listed[i] = !joins && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
-			all.complete = needs[i] <= world.listed[i];
-			all.beyond = all.complete ? -1 : static_cast<int32_t>(i);
+			all.beyond = needs[i] <= world.listed[i] ? -1 : static_cast<int32_t>(i);
 		}
 		return all;
 	};
-	const Seen all = reduceRanges<Seen>(threads, count, look, [](const Seen& a, const Seen& b) {
-		return Seen { std::max(a.fastest, b.fastest), std::min(a.smallest, b.smallest), a.complete && b.complete,
-			a.beyond >= 0 ? a.beyond : b.beyond };
+	const Seen all = reduceRanges<Seen>(threads, count, measure, [](const Seen& a, const Seen& b) {
+		return Seen { std::max(a.fastest, b.fastest), std::min(a.smallest, b.smallest), a.beyond >= 0 ? a.beyond : b.beyond };
 	});
 	beyond = all.beyond;
 	fastest = all.fastest;
 	least = std::isinf(all.smallest) ? 0 : leastMargin * all.smallest;
 	longest = fastest / all.smallest;
-	return !all.complete;
+	return !known || beyond >= 0;
 }
 
-void PairSearch::find(World& world, std::vector<NearPair>& found)
+void PairSearch::find(World& world, const std::vector<int>& rank)
 {
+	assert(needs.size() == world.shapes.size() && (rank.empty() || rank.size() == world.shapes.size()));
 	chooseMargins(world);
 	seen.clear();
-	for (const Body& b : world.bodies)
-		seen.push_back(placeAhead(b, 0));
+	for (std::size_t i = 0; i < world.shapes.size(); i++)
+		seen.push_back(placeAhead(world.bodyOf(i), 0));
 	seenShapes = world.shapes;
 	seenMasks = world.masks;
 	seenApart = world.apart;
@@ -125,7 +127,16 @@ void PairSearch::find(World& world, std::vector<NearPair>& found)
 	for (std::size_t i = 0; i < seenMasks.size(); i++)
 		if (seenMasks[i] == 0)
 			world.listed[i] = endless;
-	nearPairs.find(world, margins, found);
+	before.swap(near);
+	nearPairs.find(world, margins, near);
+	sortPairs(near, rank);
+	findAgain(near, before, origin, gone);
+	rearrange(world.pairs);
+	rearrange(world.carried);
+	for (std::size_t k = 0; k < near.size(); k++) { // also of known pairs, since a disk may have become a boundary
+		world.pairs[k].a = near[k].a;
+		world.pairs[k].b = near[k].b;
+	}
 }
 
 int PairSearch::lost(const World& world)

@@ -1,4 +1,4 @@
-// How far apart two bodies may be for a step to make a contact of them, and how far the search for pairs must look.
+// How far apart two bodies may be for a step to make a contact of them, and how far the search for pairs must reach.
 #pragma once
 
 #include "scene/scene.hpp"
@@ -24,7 +24,7 @@ inline double reachOf(const Body& b, double way)
 {
 	using namespace contact_limits;
 	const double most = mostWays * way;
-	return 0.5 * way + nearby * b.radius + (b.radius > 0 ? std::min(most, soon * way + pushed * b.radius) : most);
+	return 0.5 * way + nearby * b.radius + (isBoundary(b) ? most : std::min(most, soon * way + pushed * b.radius));
 }
 
 } // namespace cd

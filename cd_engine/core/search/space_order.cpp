@@ -34,7 +34,7 @@ namespace {
 	{
 		double left = std::numeric_limits<double>::infinity(), bottom = left, right = -left, top = -left;
 		for (const Body& b : bodies)
-			if (b.radius > 0) {
+			if (!isBoundary(b)) {
 				left = std::min(left, b.x);
 				bottom = std::min(bottom, b.y);
 				right = std::max(right, b.x);
@@ -44,7 +44,7 @@ namespace {
 		const auto cell = [&](double from, double x) { return static_cast<uint32_t>(scale * (x - from)); };
 		std::vector<std::pair<uint32_t, int>> places;
 		for (std::size_t i = 0; i < bodies.size(); i++)
-			if (bodies[i].radius > 0)
+			if (!isBoundary(bodies[i]))
 				places.emplace_back(alongCurve(cell(left, bodies[i].x), cell(bottom, bodies[i].y)), static_cast<int>(i));
 		std::sort(places.begin(), places.end());
 		std::vector<int> disks;
@@ -68,7 +68,7 @@ namespace {
 	{
 		std::vector<int> disks(bodies.size(), none);
 		for (std::size_t i = 0; i < bodies.size(); i++) {
-			if (!(bodies[i].radius > 0) || rank[i] == none)
+			if (isBoundary(bodies[i]) || rank[i] == none)
 				continue;
 			if (rank[i] < 0 || static_cast<std::size_t>(rank[i]) >= disks.size())
 				return std::numeric_limits<double>::infinity();
@@ -80,7 +80,7 @@ namespace {
 
 } // namespace
 
-bool renewOrder(const World& world, const SpaceOrder& order, bool look)
+bool renewOrder(const World& world, const SpaceOrder& order, bool checks)
 {
 	const std::vector<Body>& bodies = world.bodies;
 	if (bodies.size() <= fewDisks) {
@@ -89,7 +89,7 @@ bool renewOrder(const World& world, const SpaceOrder& order, bool look)
 		order.path = 0;
 		return had;
 	}
-	if (order.rank.size() == bodies.size() && (!look || lengthByRank(bodies, order.rank) <= 2 * order.path))
+	if (order.rank.size() == bodies.size() && (!checks || lengthByRank(bodies, order.rank) <= 2 * order.path))
 		return false;
 	const std::vector<int> disks = disksAlongCurve(bodies);
 	order.rank.assign(bodies.size(), none);

@@ -189,11 +189,8 @@ void PathIndependentShear::step()
 		refuse("the scene is periodic, which is not supported", "Set O.periodic=False and use walls");
 	readBodies();
 	const long now = scene_iter(scene);
-	if (now != lastStep + 1) {
-		pairIds.clear();
-		pairNormals.clear();
-		pairForces.clear();
-	}
+	if (now != lastStep + 1)
+		pairForces.clear(); // no pair is known any more
 	expected = 0;
 	sorted.clear();
 	newIds.clear();
