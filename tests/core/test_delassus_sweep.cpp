@@ -1,7 +1,7 @@
 // The packed sweep over W: which rows may be solved at once, and that neither the packing nor the processor shows in the result.
 #include "matrix/delassus_sweep.hpp"
 #include "kernels/group_kernel.hpp"
-#include "problem/local_problem.hpp"
+#include "problem/law.hpp"
 #include "solvers/solver.hpp"
 #include "base/workspace.hpp"
 
@@ -93,7 +93,9 @@ void sweepOneByOne(DelassusSystem& s, const RowGrouping& grouping)
 				q[1] += w.tn * p[0] + w.tt * p[1];
 			}
 		const Block& w = s.blocks[s.diagonal[i]];
-		solveLocal(w.nn, w.nt, w.tn, w.tt, s.mu[i], q[0], q[1], s.p[2 * i], s.p[2 * i + 1]);
+		const Components<double> p = solveLocal(w.nn, w.nt, w.tn, w.tt, s.mu[i], q[0], q[1]);
+		s.p[2 * i] = p.n;
+		s.p[2 * i + 1] = p.t;
 	}
 }
 
@@ -192,8 +194,8 @@ TEST_CASE("every case of the local problem, wedging and singular ones among them
 	sweep.store();
 	for (std::size_t i = 0; i < s.contacts(); i++) {
 		const Block& w = s.blocks[i];
-		double pn, pt;
-		solveLocal(w.nn, w.nt, w.tn, w.tt, s.mu[i], s.q[2 * i], s.q[2 * i + 1], pn, pt);
+		const Components<double> own = solveLocal(w.nn, w.nt, w.tn, w.tt, s.mu[i], s.q[2 * i], s.q[2 * i + 1]);
+		const double pn = own.n, pt = own.t;
 		CAPTURE(i);
 		// Ten roundings; a determinant that cancels magnifies them.
 		const double size = std::abs(pn) + std::abs(pt);

@@ -94,8 +94,8 @@ TEST_CASE("a proximal problem about one centre is solved to round-off as sigma f
 	ContactSystem rough = given;
 	accelerated(rough, to(1e-2));
 	rough.bodies = given.bodies;
-	BodiesForm form(rough);
-	ProximalProblem<BodiesForm> problem(form, 1000, 1e12);
+	NewtonSystem<ContactSystem> form(rough);
+	ProximalProblem<NewtonSystem<ContactSystem>> problem(form, 1000, 1e12);
 	std::vector<double> centre, u;
 	form.load(centre);
 	problem.centre(centre);
@@ -107,7 +107,7 @@ TEST_CASE("a proximal problem about one centre is solved to round-off as sigma f
 		double worst = 0, largest = 0;
 		for (std::size_t i = 0; i < form.size(); i++) {
 			const double* d = &form.diagonal()[2 * i];
-			const Impulse law = onCone(
+			const Impulse law = cutKeeping(
 			    { centre[2 * i] - u[2 * i] / (sigma * d[0]), centre[2 * i + 1] - u[2 * i + 1] / (sigma * d[1]) }, form.friction(i));
 			worst = std::max({ worst, sigma * std::abs(p[2 * i] - law.n), sigma * std::abs(p[2 * i + 1] - law.t) });
 			largest = std::max(largest, p[2 * i]);

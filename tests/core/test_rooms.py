@@ -18,9 +18,10 @@ def test_readme_lists_all_rooms():
 
 
 def test_rooms_use_only_rooms_above_them_by_their_faces():
+    """And law.inl, which the kernels compile for each instruction set."""
     wrong = [(path.relative_to(CORE), room, header) for path in CORE.glob("*/*") if path.suffix in (".cpp", ".hpp", ".inl")
              for room, header in included(path) if room != path.parent.name
-             and (ROOMS.index(room) >= ROOMS.index(path.parent.name) or header != f"{room}.hpp")]
+             and (ROOMS.index(room) >= ROOMS.index(path.parent.name) or header not in (f"{room}.hpp", "law.inl"))]
     assert wrong == []
 
 

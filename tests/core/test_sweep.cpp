@@ -93,7 +93,7 @@ TEST_CASE("a step after another with its memory gives the bits it gives without"
 		{ "a rotation held", [](ContactSystem& s) { s.bodies[20].w[2] = 0; } },
 		{ "a body with one freedom", [](ContactSystem& s) { s.bodies[20].w[1] = s.bodies[20].w[2] = 0; } },
 		{ "two contacts exchanged", [](ContactSystem& s) { std::swap(s.contacts[30], s.contacts[90]); } },
-		{ "a contact gone", [](ContactSystem& s) { s.contacts.all().pop_back(); } },
+		{ "a contact gone", [](ContactSystem& s) { s.contacts.resize(s.contacts.size() - 1); } },
 		{ "a contact more", [](ContactSystem& s) { s.contacts.push_back(s.contacts[7]); } },
 		{ "a contact between others", [](ContactSystem& s) { s.contacts[40].a = 0; } },
 		{ "a contact that couples n and t", [](ContactSystem& s) { s.contacts[41].bn = 0.2; } },

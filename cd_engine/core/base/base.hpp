@@ -3,5 +3,6 @@
 
 #include "base/lanes.hpp"
 #include "base/random_order.hpp"
+#include "base/range.hpp"
 #include "base/threads.hpp"
 #include "base/workspace.hpp"

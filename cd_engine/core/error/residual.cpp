@@ -4,45 +4,37 @@
 #include "base/base.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd {
 namespace {
 
-	constexpr double roundOff = 4 * std::numeric_limits<double>::epsilon();
 	constexpr double manyLoops = 200; // loops of an island from which the mean over the mass counts in full
 	constexpr double farBelow = 0.1; // of that mean: a heavy body below it has its own term; walls as heavy as 2 sqrt(N) disks have 0.16 to 0.3
 	constexpr double nothing = 1e-6; // of that mean: a smaller s counts as this
 	constexpr double single = 10; // root mean squares that a single contact may miss there; in a packing it misses 5 to 20
 
-	// Sets a square to 0 if it is at most floor^2.
-	inline double beyond(double square, double floor) { return square <= floor * floor ? 0 : square; }
-
-	// Written so that a NaN is kept and reported; a plain comparison would lose it.
-	inline void raise(double& largest, double value)
-	{
-		if (!(value <= largest))
-			largest = value;
-	}
+	// A body: its velocity after the impulses, and the magnitude of what acts on it [m/s].
+	struct alignas(32) Moved {
+		Motion<double> v;
+		double s;
+	};
 
 	void moveBodies(const ContactSystem& system, const std::vector<double>& freeVelocity, std::vector<Moved>& moved)
 	{
 		moved.resize(system.bodies.size());
 		for (std::size_t i = 0; i < moved.size(); i++)
-			moved[i] = { { freeVelocity[3 * i], freeVelocity[3 * i + 1], freeVelocity[3 * i + 2] }, system.bodies[i].pushed };
+			moved[i] = { motionOf(&freeVelocity[3 * i]), system.bodies[i].pushed };
 		for (const ContactRow& c : system.contacts) {
-			const double fx = c.pn * c.nx - c.pt * c.ny, fy = c.pn * c.ny + c.pt * c.nx;
 			const BodyVelocity &A = system.bodies[c.a], &B = system.bodies[c.b];
 			const bool passes = c.wnn > 0; // else nothing can move along the normal
 			Moved &a = moved[c.a], &b = moved[c.b];
-			a.v[0] -= A.w[0] * fx;
-			a.v[1] -= A.w[1] * fy;
-			a.v[2] -= A.w[2] * (c.pn * c.an + c.pt * c.at);
-			a.s += actionOn(A.w, c, c.an, c.at) + (passes ? A.twisted * std::abs(c.at) : 0);
-			b.v[0] += B.w[0] * fx;
-			b.v[1] += B.w[1] * fy;
-			b.v[2] += B.w[2] * (c.pn * c.bn + c.pt * c.bt);
-			b.s += actionOn(B.w, c, c.bn, c.bt) + (passes ? B.twisted * std::abs(c.bt) : 0);
+			const Components<double> p = impulseOf(c);
+			const Motion<double> wa = motionOf(A.w), wb = motionOf(B.w);
+			push(actionOf(c, p), a.v, wa, b.v, wb);
+			a.s += actingOn(wa, c, c.an, c.at, p) + (passes ? A.twisted * std::abs(c.at) : 0);
+			b.s += actingOn(wb, c, c.bn, c.bt, p) + (passes ? B.twisted * std::abs(c.bt) : 0);
 		}
 	}
 
@@ -50,51 +42,23 @@ namespace {
 	struct Bodies {
 		std::vector<Moved> moved;
 		std::vector<char> met;
-		std::vector<double> asked; // smallest s of the far heavier bodies that it carries [m/s]
+		std::vector<double> leastHeavy; // smallest s of the far heavier bodies that it carries [m/s]
 	};
 
 } // namespace
 
-double actionOn(const double* w, const ContactRow& c, double n, double t)
+Miss<double> missOf(const ContactRow& c, double compliance, const Motion<double>& a, const Motion<double>& b, double acts)
 {
-	const double x = c.nx * c.nx, y = c.ny * c.ny;
-	return (x * w[0] + y * w[1] + n * n * w[2]) * std::abs(c.pn) + (y * w[0] + x * w[1] + t * t * w[2]) * std::abs(c.pt);
-}
-
-Miss missOf(const ContactRow& c, double compliance, const Moved& a, const Moved& b)
-{
-	const double ux = b.v[0] - a.v[0], uy = b.v[1] - a.v[1];
-	const double ut = uy * c.nx - ux * c.ny + b.v[2] * c.bt - a.v[2] * c.at;
-	const double un = ux * c.nx + uy * c.ny + b.v[2] * c.bn - a.v[2] * c.an + c.bias;
-	const double square = squaredDifference(c.pn, c.pt, un, ut, c.mu, compliance);
-	// A relative velocity is known only to the round-off of the velocities that it is the difference of: a body that glides along another at 1
-	// m/s cannot be told from one pressed on it with 1e-16 of its momentum. Velocities are sums of what acts, and known only to the round-off of
-	// these sums. That round-off is no violation of the contact law, but it is an error of the bodies.
-	const double ofVelocities = roundOff
-	    * (std::abs(a.v[0]) + std::abs(a.v[1]) + std::abs(b.v[0]) + std::abs(b.v[1]) + std::abs(c.bias)
-		+ std::abs(a.v[2]) * (std::abs(c.an) + std::abs(c.at)) + std::abs(b.v[2]) * (std::abs(c.bn) + std::abs(c.bt)));
-	const double least = std::numeric_limits<double>::epsilon() * (a.s + b.s);
-	return { beyond(square, (ofVelocities + roundOff * (a.s + b.s)) / compliance),
-		std::max(beyond(square, ofVelocities / compliance) * compliance * compliance, least * least) };
-}
-
-void ResidualSum::addContact(double difference_, double velocity, double square_, double compliance)
-{
-	contacts++;
-	difference += difference_;
-	square += square_;
-	differenceEnergy += difference_ * compliance;
-	squareEnergy += square_ * compliance;
-	raise(worst, difference_);
-	missed += velocity;
-	raise(mostMissed, velocity);
+	Components<double> u = relativeVelocity<false>(c, a, b);
+	u.n += c.bias;
+	return missOf<double>(impulseOf(c), u, frictionOf(c), compliance, sizeOf(c, c.bias, a, b), acts);
 }
 
 void ResidualSum::addUnderHeavy(double velocity, double s)
 {
 	if (!std::isfinite(s))
 		return;
-	raise(missedUnderHeavy, velocity);
+	missedUnderHeavy = atLeast(missedUnderHeavy, velocity);
 	leastHeavy = std::min(leastHeavy, s);
 }
 
@@ -105,10 +69,10 @@ void ResidualSum::add(const ResidualSum& other)
 	square += other.square;
 	differenceEnergy += other.differenceEnergy;
 	squareEnergy += other.squareEnergy;
-	raise(worst, other.worst);
+	worst = atLeast(worst, other.worst);
 	missed += other.missed;
-	raise(mostMissed, other.mostMissed);
-	raise(missedUnderHeavy, other.missedUnderHeavy);
+	mostMissed = atLeast(mostMissed, other.mostMissed);
+	missedUnderHeavy = atLeast(missedUnderHeavy, other.missedUnderHeavy);
 	leastHeavy = std::min(leastHeavy, other.leastHeavy);
 	touched += other.touched;
 	mass += other.mass;
@@ -181,14 +145,15 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 void addResiduals(const ContactSystem& system, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf,
     std::vector<ResidualSum>& sums, const int32_t* numbers)
 {
+	assert(system.consistent() && freeVelocity.size() == 3 * system.bodies.size() && islandOf.size() == system.contacts.size());
 	const Borrowed<Bodies> bodies(system.memory);
-	auto& [moved, met, asked] = *bodies;
+	auto& [moved, met, leastHeavy] = *bodies;
 	moveBodies(system, freeVelocity, moved);
 	met.assign(moved.size(), 0);
-	asked.assign(moved.size(), std::numeric_limits<double>::infinity());
+	leastHeavy.assign(moved.size(), std::numeric_limits<double>::infinity());
 	forEachCarried(system, [&](int32_t light, int32_t heavy) {
 		if (moved[heavy].s > 0)
-			asked[light] = std::min(asked[light], moved[heavy].s);
+			leastHeavy[light] = std::min(leastHeavy[light], moved[heavy].s);
 	});
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		const ContactRow& c = system.contacts[i];
@@ -197,9 +162,9 @@ void addResiduals(const ContactSystem& system, const std::vector<double>& freeVe
 		if (islandOf[i] < 0 || ContactRow::held(compliance, c.freedom(ma, mb)))
 			continue; // nothing can move along n
 		ResidualSum& sum = sums[islandOf[i]];
-		const Miss miss = missOf(c, compliance, moved[c.a], moved[c.b]);
-		sum.addContact(miss.difference, miss.velocity, c.pn * c.pn + c.pt * c.pt, compliance);
-		sum.addUnderHeavy(miss.velocity, std::min(asked[c.a], asked[c.b]));
+		const Miss<double> miss = missOf(c, compliance, moved[c.a].v, moved[c.b].v, moved[c.a].s + moved[c.b].s);
+		sum.addContact(miss, impulseOf(c), compliance);
+		sum.addUnderHeavy(miss.velocity, std::min(leastHeavy[c.a], leastHeavy[c.b]));
 		// Bodies are added as the contacts meet them, so that the sums do not depend on the numbering of the bodies.
 		for (const int32_t body : { c.a, c.b })
 			if (!met[body]) {
@@ -214,6 +179,7 @@ void addResiduals(const ContactSystem& system, const std::vector<double>& freeVe
 
 Residual residual(const DelassusSystem& system)
 {
+	assert(system.consistent());
 	ResidualSum sum;
 	for (std::size_t i = 0; i < system.contacts(); i++) {
 		double un = system.q[2 * i], ut = system.q[2 * i + 1];
@@ -225,10 +191,10 @@ Residual residual(const DelassusSystem& system)
 			ut += w.tn * n + w.tt * t;
 			size += std::abs(w.nn * n) + std::abs(w.nt * t) + std::abs(w.tn * n) + std::abs(w.tt * t);
 		}
-		const double pn = system.p[2 * i], pt = system.p[2 * i + 1], compliance = system.blocks[system.diagonal[i]].nn;
+		const Components<double> p = { system.p[2 * i], system.p[2 * i + 1] };
+		const double compliance = system.blocks[system.diagonal[i]].nn;
 		// u is a sum and is known only to the round-off of its terms.
-		const double d = beyond(squaredDifference(pn, pt, un, ut, system.mu[i], compliance), roundOff * size / compliance);
-		sum.addContact(d, d * compliance * compliance, pn * pn + pt * pt, compliance);
+		sum.addContact(missOf<double>(p, { un, ut }, { system.mu[i] }, compliance, size, 0), p, compliance);
 	}
 	Residual r = sum.of();
 	r.bodies = 0;

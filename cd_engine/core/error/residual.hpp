@@ -61,9 +61,12 @@ struct ResidualSum {
 	double least = std::numeric_limits<double>::infinity(); // smallest s of a body on which anything acts [m/s]
 	int32_t leastBody = -1;
 
-	// Adds a contact. `difference` [N^2 s^2] is how far it misses its law and `velocity` [m^2/s^2] the velocity that it misses, both squared.
-	// square: |p|^2; compliance: W_nn.
-	void addContact(double difference, double velocity, double square, double compliance);
+	// Adds a contact; compliance: W_nn.
+	void addContact(const Miss<double>& miss, const Components<double>& p, double compliance)
+	{
+		contacts++;
+		addTo(*this, miss, dot(p, p), compliance);
+	}
 	// Adds a movable body, on which s [m/s] acts; m: its mass, 0 if it can only turn.
 	void addBody(double m, double s, int32_t body)
 	{
@@ -86,32 +89,8 @@ struct ResidualSum {
 	Residual of() const;
 };
 
-// |p - P_K(...)|^2; un, ut: relative velocity, with the bias.
-[[gnu::always_inline]] inline double squaredDifference(double pn, double pt, double un, double ut, double mu, double compliance)
-{
-	double qn = pn - (un + mu * std::abs(ut)) / compliance, qt = pt - ut / compliance;
-	const double size = std::abs(qt);
-	if (mu * size <= -qn)
-		qn = qt = 0;
-	else if (!(qn >= 0 && size <= mu * qn)) {
-		qn = (qn + mu * size) / (1 + mu * mu);
-		qt = std::copysign(mu * qn, qt);
-	}
-	return (pn - qn) * (pn - qn) + (pt - qt) * (pt - qt);
-}
-
-// How far a contact misses its law, squared: in its impulse [N^2 s^2], in its velocity [m^2/s^2].
-struct Miss {
-	double difference, velocity;
-};
-// A body: its velocity after the impulses, and the magnitude of what acts on it [m/s].
-struct alignas(32) Moved {
-	double v[3];
-	double s;
-};
-Miss missOf(const ContactRow&, double compliance, const Moved& a, const Moved& b);
-// The velocity by which a contact's impulse acts on a body with the inverse masses w and the arms n, t [m/s].
-double actionOn(const double* w, const ContactRow&, double n, double t);
+// How far a contact misses its law at the velocities a, b of its bodies; acts: what acts on both [m/s].
+Miss<double> missOf(const ContactRow&, double compliance, const Motion<double>& a, const Motion<double>& b, double acts);
 
 // Calls f(light, heavy) for all touching bodies of which one is ten times heavier, if something passes through their contact.
 template <class F> void forEachCarried(const ContactSystem& system, const F& f)

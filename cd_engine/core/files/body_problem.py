@@ -6,7 +6,7 @@ from scipy import sparse
 
 from .problem import Problem, array, place, refuse_friction, refuse_negative, refuse_sizes, whole_pairs
 
-# As in contact_system.hpp: inverse effective mass along the normal over that of both directions; less is round-off of the normal, such as cos(pi/2).
+# As in contact_row.hpp: inverse effective mass along the normal over that of both directions; less is round-off of the normal, such as cos(pi/2).
 HELD = 1e-29
 UNIT = 1e-9  # largest error of the length of a normal: far above round-off, far below what changes a problem
 

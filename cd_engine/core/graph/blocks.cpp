@@ -1,11 +1,13 @@
 #include "graph/blocks.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace cd {
 
 void Blocks::cut(const std::vector<Link>& links, const std::vector<uint8_t>& freedom)
 {
+	assert(std::all_of(links.begin(), links.end(), [n = static_cast<int32_t>(freedom.size())](const Link& l) { return l.a < n && l.b < n; }));
 	solvable.clear();
 	for (std::size_t i = 0; i < links.size(); i++)
 		if (links[i].solvable)

@@ -29,6 +29,28 @@ class Blocks {
 
 	std::size_t count() const { return block.size() - 1; }
 	std::size_t colours() const { return colour.size() - 1; }
+	Range contactsOf(std::size_t i) const
+	{
+		return { static_cast<std::size_t>(block[i]), static_cast<std::size_t>(block[i + 1]) };
+	} // in `contacts`
+
+	// Calls work(block) for every block, by the threads if there are any.
+	template <class Work> void inEvery(Threads* threads, const Work& work) const
+	{
+		if (threads)
+			threads->run(colour.data(), colours(), work);
+		else
+			for (int32_t i = 0; i < static_cast<int32_t>(count()); i++)
+				work(i);
+	}
+	// The same in the order of the sweep: blocks that share a movable body never run at the same time.
+	template <class Work> void byColour(Threads* threads, const Work& work) const
+	{
+		if (!threads)
+			return inEvery(threads, work);
+		for (std::size_t c = 0; c < colours(); c++)
+			threads->run(&colour[c], 1, work);
+	}
 
     private:
 	// A body may have contacts in this many blocks. A wall in more blocks would put each of them into a colour of its own. Its contacts are

@@ -1,5 +1,7 @@
 #include "graph/grouping.hpp"
 
+#include <cassert>
+
 namespace cd {
 namespace {
 
@@ -48,6 +50,7 @@ namespace {
 
 void RowGrouping::group(const DelassusSystem& s)
 {
+	assert(s.consistent());
 	has.assign(s.contacts(), 0);
 	coupled.assign(s.contacts(), 0);
 	GroupRing<RowMarks> groups(*this, s, has, coupled);

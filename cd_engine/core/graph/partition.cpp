@@ -1,6 +1,7 @@
 #include "graph/partition.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <functional>
 #include <numeric>
 
@@ -40,7 +41,6 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 {
 	if (knows(system))
 		return true;
-	system.contacts.make();
 	const bool same = renew(
 	    links, system.contacts, [](const ContactRow& c) { return linkOf(c); }, threads);
 	// A contact that could not be solved may be solvable the next time.
@@ -50,6 +50,7 @@ bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
 
 bool Partition::update(const ContactSystem& system, Threads* threads)
 {
+	assert(knows(system) || system.consistent());
 	const auto count = [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); };
 	const bool bodies = renew(freedom, system.bodies, count, threads);
 	const bool contacts = sameLinks(system, threads);

@@ -21,7 +21,8 @@ inline int freedoms(const BodyVelocity& b) { return (b.w[0] > 0) + (b.w[1] > 0) 
 
 class Partition {
     public:
-	// Finds the islands of this system. Returns false if its contacts and freedoms, and so its islands, are those of the last system.
+	// Finds the islands of this system, whose rows are made unless they are known. Returns false if its contacts and freedoms, and so its
+	// islands, are those of the last system.
 	bool update(const ContactSystem&, Threads* = nullptr);
 	// Whether the rows of this system are postponed and link the same bodies as those of the last one, all of which could be solved.
 	bool knows(const ContactSystem& s) const { return s.contacts.postponed() && s.contactSet == contactSet; }

@@ -85,13 +85,14 @@ void IslandSolver::judgeRest(double tolerance, double share)
 }
 
 // Finds the islands that sleep: nothing in them moved before the step, and their impulses keep it so. They count as solved.
-void IslandSolver::recognise(const ContactSystem& system, const std::vector<Body>& before, double tolerance)
+void IslandSolver::recognise(ContactSystem& system, const std::vector<Body>& before, double tolerance)
 {
 	for (Island& island : islands)
 		island.calm = true;
 	excite([&](int32_t i) { return before[i].v[0] != 0 || before[i].v[1] != 0 || before[i].v[2] != 0; });
 	if (std::none_of(islands.begin(), islands.end(), [](const Island& island) { return island.calm; }))
 		return;
+	system.contacts.make();
 	takePart(system, [](const Island& island) { return island.calm; });
 	for (const ContactRow& c : part.contacts)
 		applyImpulse(c, part.bodies[c.a], part.bodies[c.b], c.pn, c.pt);

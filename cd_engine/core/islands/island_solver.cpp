@@ -29,16 +29,11 @@ namespace {
 	}
 
 	// The impulses of a contact that no other contact influences.
-	void solveAlone(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B, double& pn, double& pt)
+	Components<double> solveAlone(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B)
 	{
 		double un, ut;
 		relativeVelocity(c, A, B, un, ut);
-		un += c.bias;
-		if (c.wnt == 0 && c.wtt > 0) {
-			pn = std::max(0., -un / c.wnn);
-			pt = std::max(-c.mu * pn, std::min(c.mu * pn, -ut / c.wtt));
-		} else
-			solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, un, ut, pn, pt);
+		return solveContact(c, { un + c.bias, ut }, { -0., -0. }); // 0 - 0 would lose the sign of a zero
 	}
 
 } // namespace
@@ -54,8 +49,10 @@ SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettin
 	return report;
 }
 
-void IslandSolver::findIslands(const ContactSystem& system, Threads* threads)
+void IslandSolver::findIslands(ContactSystem& system, Threads* threads)
 {
+	if (!partition.knows(system))
+		system.contacts.make();
 	partition.update(system, threads);
 	islands.assign(partition.islands.size(), {});
 	larger = largest = 0;
@@ -81,20 +78,20 @@ void IslandSolver::countUnknowns(Effort& effort)
 void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 {
 	lone = {};
+	if (larger < static_cast<int>(islands.size()))
+		system.contacts.make();
 	for (std::size_t k = 0; k < islands.size(); k++) {
 		Island& island = islands[k];
 		if (partition.islands[k].contacts > 1 || island.asleep)
 			continue;
 		ContactRow& c = system.contacts[partition.islands[k].first];
-		double pn, pt;
-		solveAlone(c, system.bodies[c.a], system.bodies[c.b], pn, pt);
-		island.sweeps = std::hypot(pn - c.pn, pt - c.pt) > tolerance * std::hypot(pn, pt);
+		const Components<double> p = solveAlone(c, system.bodies[c.a], system.bodies[c.b]);
+		island.sweeps = std::hypot(p.n - c.pn, p.t - c.pt) > tolerance * std::hypot(p.n, p.t);
 		island.solved = true;
-		c.pn = pn;
-		c.pt = pt;
+		setImpulse(c, p);
 		lone.contacts++;
-		lone.square += pn * pn + pt * pt;
-		lone.squareEnergy += c.wnn * (pn * pn + pt * pt);
+		lone.square += dot(p, p);
+		lone.squareEnergy += c.wnn * dot(p, p);
 	}
 }
 
@@ -126,6 +123,7 @@ SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, co
 {
 	SolverReport report;
 	if (rested && !settings.guessPressed && surelySolvable(system, settings.threads)) {
+		system.contacts.make();
 		report.measure(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
 			for (const ContactRow& c : system.contacts)
@@ -300,6 +298,8 @@ SolverReport IslandSolver::operator()(
 	SolverReport report;
 	if (inPlace)
 		report = solveInPlace(system, method, settings);
+	if (!inPlace)
+		system.contacts.make();
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
 		for (std::size_t i = 0; i < system.bodies.size(); i++)
 			std::memcpy(system.bodies[i].v, &freeVelocity[3 * i], sizeof system.bodies[i].v);
@@ -312,8 +312,10 @@ SolverReport IslandSolver::operator()(
 	if (stillness) {
 		SolverSettings left = settings; // maxIterations bounds the whole step
 		left.maxIterations -= report.iterations;
-		if (stillness->trial > 0 && report.status == Status::converged && left.maxIterations > 0)
+		if (stillness->trial > 0 && report.status == Status::converged && left.maxIterations > 0) {
+			system.contacts.make();
 			prove(system, *stillness, left, effort);
+		}
 		stop(system, stillness->sleepers, effort);
 	}
 	return report;

@@ -68,7 +68,7 @@ class IslandSolver {
 		bool asleep = false;
 	};
 
-	void findIslands(const ContactSystem&, Threads*);
+	void findIslands(ContactSystem&, Threads*);
 	void countUnknowns(Effort&);
 	void solveLoneContacts(ContactSystem&, double tolerance);
 	bool isNearlyOneIsland(const ContactSystem&) const;
@@ -85,7 +85,7 @@ class IslandSolver {
 	template <class Condition> void excite(const Condition& moves);
 	void exciteFast(const ContactSystem&, const int32_t* places, double tolerance, double share);
 	void judgeRest(double tolerance, double share);
-	void recognise(const ContactSystem&, const std::vector<Body>& before, double tolerance);
+	void recognise(ContactSystem&, const std::vector<Body>& before, double tolerance);
 	void prove(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 	void stop(ContactSystem&, const Sleepers& on, Effort&);
 

@@ -18,6 +18,7 @@ struct alignas(32) PackedBody {
 	double w; // inverse mass of vx, vy and spin [1/kg]; 0: immobile
 };
 static_assert(sizeof(PackedBody) == 32);
+inline Motion<double&> velocityOf(PackedBody& b) { return { b.vx, b.vy, b.spin }; }
 
 // Contacts that do not couple n and t, between bodies with equal mass in both directions. Unused lanes have neither normal nor impulse.
 struct alignas(64) Group {
@@ -31,13 +32,11 @@ struct alignas(64) Group {
 };
 static_assert(sizeof(Group) == 11 * 64 && offsetof(Group, nx) == 64); // no gaps: each member begins on a boundary of its own size
 
-// How far the contacts of a group miss the contact law (residual.hpp), squared.
+// How far the contacts of a group miss the contact law (Miss in law.inl).
 struct alignas(64) GroupMiss {
-	double difference[Group::lanes]; // of the impulse [N^2 s^2]
-	double velocity[Group::lanes]; // [m^2/s^2]
-	double wnn[Group::lanes]; // its compliance [1/kg]
+	double difference[Group::lanes], velocity[Group::lanes];
 };
-static_assert(sizeof(GroupMiss) == 3 * 64);
+static_assert(sizeof(GroupMiss) == 2 * 64);
 
 // Result of a sweep from an extrapolated point y. p are the impulses before the sweep, p+ those after it.
 struct AheadReport {

@@ -8,7 +8,7 @@ namespace cd {
 // The functions of a target.
 #define KERNEL(name)                                                                                                                                 \
 	constexpr GroupKernel kernel                                                                                                                 \
-	    = { name, sweep, sweepAhead, extrapolate, press, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
+	    = { name, sweep, sweepAhead, extrapolate, addImpulses, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
 
 #define LANES 2
 namespace any_processor {

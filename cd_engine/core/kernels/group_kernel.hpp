@@ -14,11 +14,10 @@ struct alignas(64) LaneSums {
 	double change[Group::lanes], against[Group::lanes];
 };
 
-// How far the contacts miss the contact law, summed lane by lane: members of ResidualSum with the same names; `velocity` is its `missed`.
+// How far the contacts miss the contact law, summed lane by lane: members of ResidualSum.
 struct alignas(64) LaneMisses {
 	double difference[Group::lanes], square[Group::lanes], differenceEnergy[Group::lanes], squareEnergy[Group::lanes];
-	double velocity[Group::lanes];
-	double worst[Group::lanes], mostVelocity[Group::lanes];
+	double missed[Group::lanes], worst[Group::lanes], mostMissed[Group::lanes];
 };
 
 // Eight pairs.
@@ -57,7 +56,7 @@ struct GroupKernel {
 	// Replaces every velocity v by v + beta (v - before); `before` becomes v.
 	void (*extrapolate)(PackedBody* bodies, PackedBody* before, std::size_t count, double beta);
 	// Adds to every body the impulses of its contacts, their moments over k, and, in the member w, the magnitudes |p_n| + (1 + arm^2)|p_t|.
-	void (*press)(const Group* groups, std::size_t count, PackedBody* loads);
+	void (*addImpulses)(const Group* groups, std::size_t count, PackedBody* loads);
 	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
 	// the sums, and writes the values of each contact to `each` if it is not null.
 	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);

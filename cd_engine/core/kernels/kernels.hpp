@@ -3,3 +3,4 @@
 
 #include "kernels/group.hpp"
 #include "kernels/group_kernel.hpp"
+#include "kernels/group_source.hpp"

@@ -63,9 +63,8 @@ INLINE Rows rowsOf(const Place* places, const BodyVelocity* bodies, const Carrie
 	const Vector tangential = was.vx * tangent.vy - was.vy * tangent.vx;
 	const auto carries = (normal > none) & (tangential * none == none);
 	const Vector pn = carries ? settings.dt * normal / square : none, pt = carries ? settings.dt * tangential / square : none;
-	const Vector most = mu * pn;
 	return { nx, ny, at, bt, ((gap > none ? gap : pushed) + none) / settings.dt, mu, known ? wnn : none, wnt, wtt, pn,
-		absolute(pt) > most * settings.onCone ? (pt < none ? -most : most) : pt };
+		cutGuess<Vector>({ pn, pt }, mu, settings.onCone) };
 }
 
 static void assemble(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
@@ -135,15 +134,15 @@ static void effects(const Place* places, const Mean* means, const double* p, std
 			pn[l] = p[at];
 			pt[l] = p[at + 1];
 		}
-		const Vector nx = d.nx, ny = d.ny, at = d.radiusA - 0.5 * d.overlap, bt = d.radiusB - 0.5 * d.overlap;
-		const Vector fn = pn * rate, ft = pt * rate, dx = B.vx - A.vx, dy = B.vy - A.vy;
-		const Vector un = nx * dx + ny * dy, ut = nx * dy - ny * dx + -bt * B.spin - at * A.spin;
+		const Vector nx = d.nx, ny = d.ny, fn = pn * rate, ft = pt * rate;
+		const Contact c = { nx, ny, d.radiusA - 0.5 * d.overlap, -(d.radiusB - 0.5 * d.overlap) };
+		const Components<Vector> u = relativeVelocity<false>(c, motionOf(A), motionOf(B));
 		store(e.nx + lane, nx);
 		store(e.ny + lane, ny);
 		store(e.fn[0] + lane, fn * nx);
 		store(e.fn[1] + lane, fn * ny);
 		store(e.ft[0] + lane, -ft * ny);
 		store(e.ft[1] + lane, ft * nx);
-		store(e.work + lane, pn * un + pt * ut);
+		store(e.work + lane, dot<Vector>({ pn, pt }, u));
 	}
 }

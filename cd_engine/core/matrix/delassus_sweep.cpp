@@ -2,6 +2,7 @@
 #include "kernels/kernels.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace cd {
 
@@ -11,6 +12,7 @@ DelassusSweep::DelassusSweep(DelassusSystem& s, unsigned seed, Threads*)
     , packed(*kept)
     , order(seed, s.memory)
 {
+	assert(system.consistent());
 	packed.grouping.group(system);
 	const std::size_t count = packed.grouping.groups();
 	packed.place.resize(system.contacts());
@@ -100,8 +102,8 @@ void DelassusSweep::ahead()
 	groupKernel().extrapolateRows(packed.impulses.data(), packed.before.data(), packed.momentum.betas.data(), count);
 	order.visit(count, [&](std::size_t from, std::size_t to) { sweep(packed.before.data(), packed.steps.data(), from, to); });
 	for (std::size_t g = 0; g < count; g++)
-		packed.momentum.add(g, packed.steps[g]);
-	packed.momentum.watch(packed.steps);
+		packed.momentum.afterStep(g, packed.steps[g]);
+	packed.momentum.afterSweep(packed.steps);
 	chooseFocus();
 }
 
@@ -112,7 +114,7 @@ void DelassusSweep::aheadInFocus()
 			groupKernel().extrapolateRows(&packed.impulses[g], &packed.before[g], &packed.momentum.betas[g], 1);
 		for (const int32_t g : packed.focus) {
 			sweep(packed.before.data(), packed.steps.data(), g, g + 1);
-			packed.momentum.add(g, packed.steps[g]);
+			packed.momentum.afterStep(g, packed.steps[g]);
 		}
 	}
 	packed.focus.clear();

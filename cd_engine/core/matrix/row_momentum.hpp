@@ -11,6 +11,7 @@
 #include "kernels/kernels.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <vector>
 
@@ -28,7 +29,7 @@ class RowMomentum {
 	}
 
 	// Call after a group has made a step.
-	void add(std::size_t group, const AheadReport& step)
+	void afterStep(std::size_t group, const AheadReport& step)
 	{
 		Group& g = groups[group];
 		if (step.against > 0)
@@ -39,8 +40,9 @@ class RowMomentum {
 	}
 
 	// Call after all groups have made a step.
-	void watch(const std::vector<AheadReport>& steps)
+	void afterSweep(const std::vector<AheadReport>& steps)
 	{
+		assert(steps.size() == groups.size());
 		double total = 0;
 		for (std::size_t i = 0; i < groups.size(); i++) {
 			total += steps[i].change;
@@ -48,7 +50,7 @@ class RowMomentum {
 		}
 		sum += std::sqrt(total);
 		if (++made == windowEnd)
-			judge();
+			endWindow();
 	}
 
 	std::vector<double> betas; // of each group
@@ -66,8 +68,7 @@ class RowMomentum {
 	// oscillations show no decrease.
 	int window() const { return std::max(20, made / 4); }
 
-	// Ends a window.
-	void judge()
+	void endWindow()
 	{
 		const int sweeps = made - windowStart;
 		const double mean = sum / sweeps;

@@ -1,6 +1,7 @@
 #include "newton/block_matrix.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <new>
 
 namespace cd {
@@ -21,6 +22,7 @@ template <int B> void BlockMatrix<B>::release()
 
 template <int B> void BlockMatrix<B>::plan(std::size_t rows, const std::vector<std::pair<int32_t, int32_t>>& pairs)
 {
+	assert(std::all_of(pairs.begin(), pairs.end(), [n = static_cast<int32_t>(rows)](const auto& p) { return p.first < n && p.second < n; }));
 	release();
 	blocks = rows;
 	std::vector<std::pair<int32_t, int32_t>> places; // column, row
@@ -61,7 +63,9 @@ template <int B> typename BlockMatrix<B>::Block& BlockMatrix<B>::at(int32_t i, i
 {
 	const auto first = row.begin() + static_cast<std::ptrdiff_t>(start[static_cast<std::size_t>(j)]);
 	const auto end = row.begin() + static_cast<std::ptrdiff_t>(start[static_cast<std::size_t>(j) + 1]);
-	return block[static_cast<std::size_t>(std::lower_bound(first, end, i) - row.begin())];
+	const auto found = std::lower_bound(first, end, i);
+	assert(found != end && *found == i);
+	return block[static_cast<std::size_t>(found - row.begin())];
 }
 
 template <int B> bool BlockMatrix<B>::factorize()
@@ -88,6 +92,7 @@ template <int B> bool BlockMatrix<B>::factorize()
 
 template <int B> void BlockMatrix<B>::solve(std::vector<double>& x)
 {
+	assert(x.size() == B * blocks);
 	if (blocks > 0)
 		klu_solve(order, factors, static_cast<int>(B * blocks), 1, x.data(), &settings);
 }

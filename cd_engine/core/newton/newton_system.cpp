@@ -1,6 +1,7 @@
 #include "newton/newton_system.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cd {
@@ -19,8 +20,9 @@ namespace {
 	}
 
 	// The rows of `system.contacts` that can be solved, ascending: all but those whose bodies cannot move along the normal.
-	std::vector<int32_t> solvableRows(const ContactSystem& system)
+	std::vector<int32_t> solvableRows(ContactSystem& system)
 	{
+		system.contacts.make();
 		std::vector<int32_t> rows;
 		for (std::size_t i = 0; i < system.contacts.size(); i++)
 			if (system.contacts[i].wnn > 0)
@@ -32,15 +34,15 @@ namespace {
 
 } // namespace
 
-BodiesForm::BodiesForm(ContactSystem& s)
+NewtonSystem<ContactSystem>::NewtonSystem(ContactSystem& s)
     : system(s)
     , rows(solvableRows(s))
     , freeVelocity(3 * s.bodies.size())
-    , d(2 * rows.size())
     , arms(12 * rows.size())
-    , planned(rows.size())
     , z(3 * s.bodies.size())
 {
+	d.resize(2 * rows.size());
+	planned.resize(rows.size());
 	for (std::size_t i = 0; i < s.bodies.size(); i++)
 		std::copy_n(s.bodies[i].v, 3, &freeVelocity[3 * i]);
 	for (std::size_t i = 0; i < rows.size(); i++) {
@@ -48,7 +50,7 @@ BodiesForm::BodiesForm(ContactSystem& s)
 		d[2 * i] = c.wnn;
 		// If nothing can move along t, any positive number will do.
 		d[2 * i + 1] = c.wtt > 0 ? c.wtt : c.wnn;
-		const double n[6] = { -c.nx, -c.ny, -c.an, c.nx, c.ny, c.bn }, t[6] = { c.ny, -c.nx, -c.at, -c.ny, c.nx, c.bt };
+		const double n[6] = { -c.nx, -c.ny, -c.an, c.nx, c.ny, c.bn }, t[6] = { c.ny, -c.nx, -c.at, -c.ny, c.nx, c.bt }; // rows of H^T
 		for (std::size_t k = 0; k < 6; k++) {
 			const double root = std::sqrt(s.bodies[k < 3 ? c.a : c.b].w[k % 3]);
 			arms[12 * i + k] = root * n[k];
@@ -57,7 +59,7 @@ BodiesForm::BodiesForm(ContactSystem& s)
 	}
 }
 
-void BodiesForm::load(std::vector<double>& p) const
+void NewtonSystem<ContactSystem>::load(std::vector<double>& p) const
 {
 	p.resize(2 * size());
 	for (std::size_t i = 0; i < size(); i++) {
@@ -66,7 +68,7 @@ void BodiesForm::load(std::vector<double>& p) const
 	}
 }
 
-void BodiesForm::store(const std::vector<double>& p)
+void NewtonSystem<ContactSystem>::store(const std::vector<double>& p)
 {
 	for (std::size_t i = 0; i < system.bodies.size(); i++)
 		std::copy_n(&freeVelocity[3 * i], 3, system.bodies[i].v);
@@ -78,7 +80,7 @@ void BodiesForm::store(const std::vector<double>& p)
 		applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
 }
 
-void BodiesForm::velocities(const std::vector<double>& p, std::vector<double>& u)
+void NewtonSystem<ContactSystem>::velocities(const std::vector<double>& p, std::vector<double>& u)
 {
 	store(p);
 	u.resize(2 * size());
@@ -90,7 +92,7 @@ void BodiesForm::velocities(const std::vector<double>& p, std::vector<double>& u
 }
 
 // Contacts that have been open so far need no place in the matrix. In a packing they can be half of all contacts.
-void BodiesForm::plan(const std::vector<ContactState>& states)
+void NewtonSystem<ContactSystem>::plan(const std::vector<ContactState>& states)
 {
 	if (!markClosed(states, planned) && matrix.rows() == system.bodies.size())
 		return;
@@ -106,7 +108,7 @@ void BodiesForm::plan(const std::vector<ContactState>& states)
 // z is the change of M^(1/2) v from v(pk), and a_n, a_t are the rows of H^T M^(-1/2). Eliminating the impulses contact by contact leaves
 //   (sigma + sum a_n a_n'/D_n + sum a_t a_t'/D_t +- sum mu a_t a_n'/D_n) z = the push of the contacts at z = 0.
 // The first sum is over contacts that are not open, the second over sticking contacts, the third over sliding ones.
-void BodiesForm::assemble(const Proximal& at)
+void NewtonSystem<ContactSystem>::assemble(const Proximal& at)
 {
 	matrix.clear();
 	std::fill(z.begin(), z.end(), 0);
@@ -145,8 +147,9 @@ void BodiesForm::assemble(const Proximal& at)
 	}
 }
 
-bool BodiesForm::solve(const Proximal& at, std::vector<double>& p)
+bool NewtonSystem<ContactSystem>::solve(const Proximal& at, std::vector<double>& p)
 {
+	assert(at.sigma > 0 && at.pk.size() == 2 * size() && at.u.size() == 2 * size() && at.states.size() == size());
 	plan(at.states);
 	assemble(at);
 	if (!matrix.factorize())
@@ -171,12 +174,12 @@ bool BodiesForm::solve(const Proximal& at, std::vector<double>& p)
 	return true;
 }
 
-DelassusForm::DelassusForm(DelassusSystem& s)
+NewtonSystem<DelassusSystem>::NewtonSystem(DelassusSystem& s)
     : system(s)
-    , d(2 * s.contacts())
-    , root(d.size())
-    , planned(s.contacts())
 {
+	planned.resize(size());
+	d.resize(2 * size());
+	root.resize(2 * size());
 	for (std::size_t i = 0; i < size(); i++) {
 		d[2 * i] = s.blocks[s.diagonal[i]].nn;
 		d[2 * i + 1] = s.blocks[s.diagonal[i]].tt;
@@ -184,19 +187,7 @@ DelassusForm::DelassusForm(DelassusSystem& s)
 	std::transform(d.begin(), d.end(), root.begin(), [](double x) { return std::sqrt(x); });
 }
 
-void DelassusForm::velocities(const std::vector<double>& p, std::vector<double>& u)
-{
-	u = system.q;
-	for (std::size_t i = 0; i < size(); i++)
-		for (std::size_t k = system.start[i]; k < system.start[i + 1]; k++) {
-			const Block& w = system.blocks[k];
-			const double* from = &p[2 * static_cast<std::size_t>(system.column[k])];
-			u[2 * i] += w.nn * from[0] + w.nt * from[1];
-			u[2 * i + 1] += w.tn * from[0] + w.tt * from[1];
-		}
-}
-
-void DelassusForm::plan(const std::vector<ContactState>& states)
+void NewtonSystem<DelassusSystem>::plan(const std::vector<ContactState>& states)
 {
 	if (!markClosed(states, planned) && matrix.rows() == size())
 		return;
@@ -212,7 +203,7 @@ void DelassusForm::plan(const std::vector<ContactState>& states)
 
 // The unknowns are the changes of p sqrt(D), and the equations are divided by sqrt(D): all rows and columns then have the same scale. Open contacts
 // have no unknowns and go to the right-hand side.
-void DelassusForm::assemble(const Proximal& at, std::vector<double>& p)
+void NewtonSystem<DelassusSystem>::assemble(const Proximal& at, std::vector<double>& p)
 {
 	matrix.clear();
 	for (std::size_t i = 0; i < size(); i++) {
@@ -247,8 +238,9 @@ void DelassusForm::assemble(const Proximal& at, std::vector<double>& p)
 	}
 }
 
-bool DelassusForm::solve(const Proximal& at, std::vector<double>& p)
+bool NewtonSystem<DelassusSystem>::solve(const Proximal& at, std::vector<double>& p)
 {
+	assert(at.sigma > 0 && at.pk.size() == 2 * size() && at.u.size() == 2 * size() && at.states.size() == size());
 	plan(at.states);
 	p.resize(2 * size());
 	assemble(at, p);

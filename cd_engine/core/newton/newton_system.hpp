@@ -1,4 +1,4 @@
-// The linear system of a Newton step, for both forms of a problem. newton.cpp contains the method.
+// The linear system of a Newton step, for a problem given by its bodies or by its matrix. newton.cpp contains the method.
 //
 // The unknowns are the impulses p of the proximal problem: the contact law between p and u + sigma D (p - pk), with D the diagonal of W. Each contact
 // is in one of four states. For given states the problem is linear:
@@ -29,16 +29,28 @@ struct Proximal {
 	bool coupled = true; // true: sliding friction follows the normal impulse; false: it keeps its bound
 };
 
-// A problem in the velocities of the bodies: three unknowns a body. Bodies that touch couple.
-class BodiesForm {
+// B: unknowns a block of the matrix.
+template <int B> class NewtonMatrix {
     public:
-	using System = ContactSystem;
+	const std::vector<double>& diagonal() const { return d; } // of W, 2 a contact
+	// Floating-point operations of the last solution: those of the factorization, plus an estimate for the loops over the unknowns.
+	double work() const { return matrix.operations() + 3000. * static_cast<double>(matrix.rows()); }
 
-	explicit BodiesForm(ContactSystem&);
+    protected:
+	std::vector<double> d;
+	std::vector<char> planned; // whether the matrix has a place for a contact
+	BlockMatrix<B> matrix;
+};
+
+template <class System> class NewtonSystem;
+
+// In the velocities of the bodies: three unknowns a body. Bodies that touch couple.
+template <> class NewtonSystem<ContactSystem> : public NewtonMatrix<3> {
+    public:
+	explicit NewtonSystem(ContactSystem&);
 
 	std::size_t size() const { return rows.size(); } // contacts that can be solved; the others keep their impulses
 	double friction(std::size_t i) const { return system.contacts[rows[i]].mu; }
-	const std::vector<double>& diagonal() const { return d; } // of W, 2 a contact
 
 	void load(std::vector<double>& p) const; // from the system
 	void store(const std::vector<double>& p); // to the system, with the velocities that belong to them
@@ -48,8 +60,6 @@ class BodiesForm {
 	void velocities(const std::vector<double>& p, std::vector<double>& u);
 	// Solves the linear system for p. Returns false if its matrix is singular to working precision.
 	bool solve(const Proximal&, std::vector<double>& p);
-	// Floating-point operations of the last solution: those of the factorization, plus an estimate for the loops over the unknowns.
-	double work() const { return matrix.operations() + 3000. * static_cast<double>(matrix.rows()); }
 
     private:
 	void plan(const std::vector<ContactState>&);
@@ -58,42 +68,33 @@ class BodiesForm {
 	ContactSystem& system;
 	std::vector<int32_t> rows; // of the contacts in system.contacts
 	std::vector<double> freeVelocity; // as in residual.hpp
-	std::vector<double> d;
 	// Of each contact: how u_n and u_t depend on the velocities of a and b, times the square roots of their inverse masses. In the order n of a,
 	// n of b, t of a, t of b.
 	std::vector<double> arms;
-	std::vector<char> planned; // whether the matrix has a place for a contact
-	BlockMatrix<3> matrix;
 	std::vector<double> z; // changes of the bodies' velocities over the square roots of their inverse masses
 };
 
-// A problem given by its matrix: two unknowns a contact, coupled as in W.
-class DelassusForm {
+// In the impulses: two unknowns a contact, coupled as in W.
+template <> class NewtonSystem<DelassusSystem> : public NewtonMatrix<2> {
     public:
-	using System = DelassusSystem;
-
-	explicit DelassusForm(DelassusSystem&);
+	explicit NewtonSystem(DelassusSystem&);
 
 	std::size_t size() const { return system.contacts(); }
 	double friction(std::size_t i) const { return system.mu[i]; }
-	const std::vector<double>& diagonal() const { return d; }
 
 	void load(std::vector<double>& p) const { p = system.p; }
 	void store(const std::vector<double>& p) { system.p = p; }
 	Residual error() const { return residual(system); }
 
-	void velocities(const std::vector<double>& p, std::vector<double>& u);
+	void velocities(const std::vector<double>& p, std::vector<double>& u) { system.velocities(p, u); }
 	bool solve(const Proximal&, std::vector<double>& p);
-	double work() const { return matrix.operations() + 3000. * static_cast<double>(matrix.rows()); }
 
     private:
 	void plan(const std::vector<ContactState>&);
 	void assemble(const Proximal&, std::vector<double>& p);
 
 	DelassusSystem& system;
-	std::vector<double> d, root; // root: the square root of d
-	std::vector<char> planned;
-	BlockMatrix<2> matrix;
+	std::vector<double> root; // the square root of d
 };
 
 } // namespace cd

@@ -1,7 +1,7 @@
 // One subproblem of the proximal-point method: the contact law between p and u + sigma D (p - pk). D is the diagonal of W, pk the centre.
 //
 // Eliminating p leaves one equation for the velocities,
-//   u = W P(z) + q,   z = pk - u/(sigma D),   P(z) = (max(z_n, 0), z_t cut at +-mu max(z_n, 0)),
+//   u = W P(z) + q,   z = pk - u/(sigma D),   P(z) = (max(z_n, 0), z_t cut at +-mu max(z_n, 0)) (cutKeeping),
 // which is piecewise linear: the states of the contacts select the piece (Alart & Curnier 1991, Comput. Methods Appl. Mech. Eng. 92, 353).
 // Two methods solve it. Each of their steps solves the linear system of one piece:
 //   Newton's method changes all states at once. For small sigma it cycles among pieces. Without friction the equation is the stationarity of a convex
@@ -21,25 +21,17 @@
 
 namespace cd {
 
-struct Impulse {
-	double n, t;
-};
+using Impulse = Components<double>;
 
-// P of the formula above.
-inline Impulse onCone(Impulse z, double mu)
-{
-	const double n = std::max(z.n, 0.);
-	return { n, std::clamp(z.t, -mu * n, mu * n) };
-}
-
-template <class Form> class ProximalProblem {
+// System: NewtonSystem of either kind.
+template <class System> class ProximalProblem {
     public:
 	// most: limit on the number of factorizations; work: limit on their floating-point operations
-	ProximalProblem(Form& f, int most, double work)
-	    : form(f)
+	ProximalProblem(System& s, int most, double work)
+	    : system(s)
 	    , mostSteps(most)
 	    , mostWork(work)
-	    , d(f.diagonal())
+	    , d(s.diagonal())
 	{
 	}
 
@@ -47,8 +39,8 @@ template <class Form> class ProximalProblem {
 	void centre(const std::vector<double>& p)
 	{
 		at.pk = p;
-		form.velocities(p, at.u);
-		at.bounds.resize(form.size());
+		system.velocities(p, at.u);
+		at.bounds.resize(system.size());
 	}
 
 	// Solves, starting at the centre. Returns false if this takes too many steps.
@@ -57,7 +49,7 @@ template <class Form> class ProximalProblem {
 		at.sigma = sigma;
 		x = at.pk;
 		u = uNew = at.u;
-		at.states.assign(form.size(), ContactState::open);
+		at.states.assign(system.size(), ContactState::open);
 		return newtonSteps(20, false) && remember();
 	}
 
@@ -111,13 +103,13 @@ template <class Form> class ProximalProblem {
 		return z.t > 0 ? ContactState::slidePlus : ContactState::slideMinus;
 	}
 
-	double bound(std::size_t i, const Impulse& z) const { return form.friction(i) * std::max(z.n, 0.); }
+	double bound(std::size_t i, const Impulse& z) const { return system.friction(i) * std::max(z.n, 0.); }
 
 	// Updates the states and bounds from u. Returns whether any state changed.
 	bool findStates()
 	{
 		bool changed = false;
-		for (std::size_t i = 0; i < form.size(); i++) {
+		for (std::size_t i = 0; i < system.size(); i++) {
 			const Impulse z = point(i, 0);
 			at.bounds[i] = bound(i, z);
 			const ContactState state = stateOf(z, at.bounds[i]);
@@ -141,7 +133,7 @@ template <class Form> class ProximalProblem {
 	// Whether the end of the step has the states that the step assumed. The end is then the solution.
 	bool leadsToSolution() const
 	{
-		for (std::size_t i = 0; i < form.size(); i++) {
+		for (std::size_t i = 0; i < system.size(); i++) {
 			const Impulse z = point(i, 1);
 			if (stateOf(z, bound(i, z)) != at.states[i])
 				return false;
@@ -153,8 +145,8 @@ template <class Form> class ProximalProblem {
 	double slope(double a) const
 	{
 		double sum = 0;
-		for (std::size_t i = 0; i < form.size(); i++) {
-			const Impulse p = onCone(point(i, a), form.friction(i));
+		for (std::size_t i = 0; i < system.size(); i++) {
+			const Impulse p = cutKeeping(point(i, a), system.friction(i));
 			sum += (uNew[2 * i] - u[2 * i]) * (x[2 * i] + a * (xNew[2 * i] - x[2 * i]) - p.n);
 			sum += (uNew[2 * i + 1] - u[2 * i + 1]) * (x[2 * i + 1] + a * (xNew[2 * i + 1] - x[2 * i + 1]) - p.t);
 		}
@@ -166,11 +158,11 @@ template <class Form> class ProximalProblem {
 	{
 		made++;
 		at.coupled = coupled;
-		const bool regular = form.solve(at, xNew);
-		work += form.work();
+		const bool regular = system.solve(at, xNew);
+		work += system.work();
 		if (!regular)
 			return false;
-		form.velocities(xNew, uNew);
+		system.velocities(xNew, uNew);
 		return true;
 	}
 
@@ -225,7 +217,7 @@ template <class Form> class ProximalProblem {
 	// Writes the borders of the present state of a contact to e, two at most. Returns how many there are.
 	int edges(std::size_t i, Edge* e) const
 	{
-		const double mu = form.friction(i), s = side(at.states[i]);
+		const double mu = system.friction(i), s = side(at.states[i]);
 		switch (at.states[i]) {
 		case ContactState::open:
 			e[0] = { -1, 0, point(i, 0).t > 0 ? ContactState::slidePlus : ContactState::slideMinus };
@@ -253,7 +245,7 @@ template <class Form> class ProximalProblem {
 			const double outward = k > 0 ? rate(crossing, crossed) : 0, direction = outward > 0 ? -1 : 1;
 			double a = direction > 0 ? 1 : std::numeric_limits<double>::infinity();
 			bool found = false;
-			for (std::size_t i = 0; i < form.size(); i++) {
+			for (std::size_t i = 0; i < system.size(); i++) {
 				const Impulse z = point(i, 0);
 				Edge e[2];
 				for (int n = edges(i, e) - 1; n >= 0; n--) {
@@ -284,7 +276,7 @@ template <class Form> class ProximalProblem {
 		return e.n * (to.n - from.n) + e.t * (to.t - from.t);
 	}
 
-	Form& form;
+	System& system;
 	const int mostSteps;
 	const double mostWork;
 	const std::vector<double>& d;

@@ -25,6 +25,27 @@ struct DelassusSystem {
 	Workspace* memory = nullptr; // as in ContactSystem
 
 	std::size_t contacts() const { return mu.size(); }
+	// For asserts: the sizes agree, blocks belong to contacts, and no friction coefficient is negative.
+	bool consistent() const
+	{
+		const std::size_t n = contacts();
+		return start.size() == n + 1 && start[n] == blocks.size() && column.size() == blocks.size() && diagonal.size() == n
+		    && q.size() == 2 * n && p.size() == 2 * n
+		    && std::all_of(column.begin(), column.end(), [n](int32_t i) { return i >= 0 && static_cast<std::size_t>(i) < n; })
+		    && std::none_of(mu.begin(), mu.end(), [](double x) { return x < 0; });
+	}
+	// u = W p + q
+	void velocities(const std::vector<double>& p, std::vector<double>& u) const
+	{
+		u = q;
+		for (std::size_t i = 0; i < contacts(); i++)
+			for (std::size_t k = start[i]; k < start[i + 1]; k++) {
+				const Block& w = blocks[k];
+				const double* from = &p[2 * static_cast<std::size_t>(column[k])];
+				u[2 * i] += w.nn * from[0] + w.nt * from[1];
+				u[2 * i + 1] += w.tn * from[0] + w.tt * from[1];
+			}
+	}
 	std::size_t others(int32_t row) const { return start[row + 1] - start[row] - 1; } // blocks of a row beside its own
 };
 

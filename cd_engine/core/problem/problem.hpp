@@ -3,5 +3,5 @@
 
 #include "problem/contact_system.hpp"
 #include "problem/delassus_system.hpp"
-#include "problem/local_problem.hpp"
+#include "problem/law.hpp"
 #include "problem/rigid_motion.hpp"

@@ -120,8 +120,7 @@ namespace {
 			w.clear();
 			for (const Link& link : links) {
 				const ContactRow& c = system->contacts[link.contact];
-				const double *a = &motion[3 * c.a], *z = &motion[3 * c.b];
-				const double un = c.nx * (z[0] - a[0]) + c.ny * (z[1] - a[1]) + c.bn * z[2] - c.an * a[2];
+				const double un = relativeVelocity<false>(c, motionOf(&motion[3 * c.a]), motionOf(&motion[3 * c.b])).n;
 				w.push_back((un + c.bias) / std::sqrt(c.wnn));
 			}
 			if (closing(w) < closing(r))

@@ -74,9 +74,9 @@ class BodyForm {
 		std::fill(size.begin(), size.end(), 0.);
 		for (std::size_t i = 0; i < rows.size(); i++) {
 			const ContactRow& c = system->contacts[rows[i]];
-			const double n = p[2 * i], t = p[2 * i + 1];
-			add(c.a, -(c.nx * n - c.ny * t), -(c.ny * n + c.nx * t), -(c.an * n + c.at * t));
-			add(c.b, c.nx * n - c.ny * t, c.ny * n + c.nx * t, c.bn * n + c.bt * t);
+			const Action<double> of = actionOf(c, Components<double> { p[2 * i], p[2 * i + 1] });
+			add(c.a, -of.x, -of.y, -of.turnA);
+			add(c.b, of.x, of.y, of.turnB);
 		}
 		collect(u, sizes);
 	}
@@ -104,9 +104,9 @@ class BodyForm {
 		for (std::size_t i = 0; i < rows.size(); i++) {
 			const ContactRow& c = system->contacts[rows[i]];
 			const double *a = &v[3 * c.a], *b = &v[3 * c.b], *sa = &size[3 * c.a], *sb = &size[3 * c.b];
-			const double dx = b[0] - a[0], dy = b[1] - a[1];
-			u[2 * i] = c.nx * dx + c.ny * dy + (c.bn * b[2] - c.an * a[2]);
-			u[2 * i + 1] = c.nx * dy - c.ny * dx + (c.bt * b[2] - c.at * a[2]);
+			const Components<double> now = relativeVelocity<true>(c, motionOf(a), motionOf(b));
+			u[2 * i] = now.n;
+			u[2 * i + 1] = now.t;
 			const double sum = sa[0] + sa[1] + sb[0] + sb[1];
 			sizes[2 * i] = sum + std::abs(c.bn) * sb[2] + std::abs(c.an) * sa[2];
 			sizes[2 * i + 1] = sum + std::abs(c.bt) * sb[2] + std::abs(c.at) * sa[2];

@@ -5,6 +5,7 @@
 #include "base/base.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -27,6 +28,7 @@ template <class S> class Iteration {
 	    , settings(t)
 	    , bestIterate(s.memory())
 	{
+		assert(settings.tolerance >= 0 && settings.fixedIterations >= 0);
 	}
 
 	template <class Improve> SolverReport run(Improve& improve)

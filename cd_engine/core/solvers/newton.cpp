@@ -24,11 +24,11 @@ namespace {
 	constexpr double coarse = 1e-3; // error below which sweeps are no longer the fastest method
 	constexpr int sweepsAtStart = 500;
 
-	template <class Form> class Newton {
+	template <class System> class Newton {
 	    public:
-		Newton(typename Form::System& s, const SolverSettings& t)
-		    : form(s)
-		    , problem(form, t.maxIterations, t.mostWork)
+		Newton(System& s, const SolverSettings& t)
+		    : linear(s)
+		    , problem(linear, t.maxIterations, t.mostWork)
 		    , tolerance(t.tolerance)
 		    , trace(t.trace)
 		{
@@ -37,7 +37,7 @@ namespace {
 		SolverReport run()
 		{
 			std::vector<double> first;
-			form.load(first);
+			linear.load(first);
 			evaluate(first);
 			best = projected;
 			bestError = error;
@@ -103,8 +103,8 @@ namespace {
 
 		SolverReport report()
 		{
-			form.store(best);
-			const Residual e = form.error();
+			linear.store(best);
+			const Residual e = linear.error();
 			SolverReport r;
 			r.iterations = r.factorizations = problem.steps();
 			r.measure(e);
@@ -120,13 +120,13 @@ namespace {
 		void evaluate(const std::vector<double>& p)
 		{
 			projected.resize(p.size());
-			for (std::size_t i = 0; i < form.size(); i++) {
-				const Impulse cut = onCone({ p[2 * i], p[2 * i + 1] }, form.friction(i));
+			for (std::size_t i = 0; i < linear.size(); i++) {
+				const Impulse cut = cutKeeping({ p[2 * i], p[2 * i + 1] }, linear.friction(i));
 				projected[2 * i] = cut.n;
 				projected[2 * i + 1] = cut.t;
 			}
-			form.store(projected);
-			const Residual e = form.error();
+			linear.store(projected);
+			const Residual e = linear.error();
 			error = e.error();
 			if (error < bestError) {
 				bestError = error;
@@ -139,8 +139,8 @@ namespace {
 			traced = problem.steps();
 		}
 
-		Form form;
-		ProximalProblem<Form> problem;
+		NewtonSystem<System> linear;
+		ProximalProblem<NewtonSystem<System>> problem;
 		const double tolerance;
 		Trace* const trace;
 		int traced = 0; // steps that the trace knows of
@@ -149,7 +149,7 @@ namespace {
 	};
 
 	// Sweeps come first: in the time of a few factorizations they find which contacts are loaded.
-	template <class Form> SolverReport solve(typename Form::System& system, const SolverSettings& settings)
+	template <class System> SolverReport solve(System& system, const SolverSettings& settings)
 	{
 		if (settings.fixedIterations > 0)
 			return accelerated(system, settings);
@@ -164,14 +164,14 @@ namespace {
 		start.free(system);
 		SolverSettings rest = settings;
 		rest.maxIterations -= first.iterations;
-		SolverReport report = Newton<Form>(system, rest).run();
+		SolverReport report = Newton<System>(system, rest).run();
 		report.iterations += first.iterations;
 		return report;
 	}
 
 } // namespace
 
-SolverReport newton(ContactSystem& s, const SolverSettings& t) { return solve<BodiesForm>(s, t); }
-SolverReport newton(DelassusSystem& s, const SolverSettings& t) { return solve<DelassusForm>(s, t); }
+SolverReport newton(ContactSystem& s, const SolverSettings& t) { return solve<ContactSystem>(s, t); }
+SolverReport newton(DelassusSystem& s, const SolverSettings& t) { return solve<DelassusSystem>(s, t); }
 
 } // namespace cd

@@ -41,7 +41,7 @@ namespace {
 
 	// Whether the impulses have more than doubled the kinetic energy although no boundary and no bias adds any. Impulses that balance each other
 	// may be so large that all velocities they cause are within the tolerance.
-	bool makesEnergy(const ContactSystem& s, const Start& start, const SolverSettings& settings)
+	bool makesEnergy(ContactSystem& s, const Start& start, const SolverSettings& settings)
 	{
 		double more = 0; // twice the energy after them, less four times that before [J]
 		for (std::size_t i = 0; i < s.bodies.size(); i++) {
@@ -51,9 +51,14 @@ namespace {
 			for (int k = w[0] == w[1] ? 2 : 0; k < 3; k++)
 				more += w[k] > 0 ? gained(k) / w[k] : 0;
 		}
-		return more > 0
-		    && Start(s, settings.threads).weight(s) > 10 * weightOfGuess(s, start, settings); // the guess was in balance, to the tolerance
+		if (!(more > 0))
+			return false;
+		s.contacts.make();
+		return Start(s, settings.threads).weight(s) > 10 * weightOfGuess(s, start, settings); // the guess was in balance, to the tolerance
 	}
+	void makeRows(ContactSystem& s) { s.contacts.make(); }
+	void makeRows(DelassusSystem&) { }
+
 	bool makesEnergy(const DelassusSystem&, const Start&, const SolverSettings&) { return false; } // not called for a matrix
 
 	int32_t strongest(const ContactSystem& s)
@@ -65,6 +70,7 @@ namespace {
 
 	void clearImpulses(ContactSystem& s)
 	{
+		s.contacts.make();
 		for (ContactRow& c : s.contacts)
 			c.pn = c.pt = 0;
 	}
@@ -179,6 +185,8 @@ namespace {
 		    , part(asked)
 		{
 			part.start = &start;
+			if (!solvable)
+				makeRows(system);
 			if (!solvable && !fixed)
 				part.maxIterations -= std::min(sweepsToTell, settings.maxIterations / 10);
 		}

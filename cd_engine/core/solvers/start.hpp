@@ -17,7 +17,7 @@ namespace cd {
 
 class Start {
     public:
-	Start(const ContactSystem& s, Threads* t)
+	Start(ContactSystem& s, Threads* t)
 	    : threads(t)
 	    , kept(s.memory)
 	{
@@ -81,7 +81,6 @@ class Start {
 	// Of the guess: sqrt(sum W_nn |p|^2).
 	double weight(const ContactSystem& s) const
 	{
-		s.contacts.make();
 		const auto add = [&](std::size_t from, std::size_t to) {
 			double square = 0;
 			for (std::size_t i = from; i < to; i++) {
@@ -104,7 +103,10 @@ class Start {
     private:
 	std::array<double, 2> guessOf(std::size_t i) const
 	{
-		return source ? source->guess(static_cast<int32_t>(i)) : std::array<double, 2> { impulses[2 * i], impulses[2 * i + 1] };
+		if (!source)
+			return { impulses[2 * i], impulses[2 * i + 1] };
+		const ContactRow row = source->row(static_cast<int32_t>(i));
+		return { row.pn, row.pt };
 	}
 
 	Threads* const threads;

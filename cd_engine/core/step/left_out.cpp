@@ -43,9 +43,10 @@ bool TimeStep::addViolated(World& world, const StepSettings& settings)
 	for (const int32_t i : world.awake)
 		if (!solved[i] && within(i, world, settings.dt)) {
 			const std::size_t row = system.contacts.size();
+			system.contacts.resize(row + 1);
 			resizeRows(row + 1, settings);
 			rowPair.back() = i;
-			fillRows(world, settings, system.contacts.data(), row, row + 1);
+			fillRows(world, settings, system.contacts.all().data(), row, row + 1);
 			solved[i] = 1;
 			deepest = std::max(deepest, -gapOf(world, i));
 			// The first guess is the impulse that would stop this contact alone. With 0 a large system's error may not show it.

@@ -1,5 +1,5 @@
 // What a step knows of contacts whose rows nobody has read: they are those of the step before, so they go straight into the groups of the sweeps
-// (RowSource in contact_system.hpp).
+// (GroupSource).
 #include "step/load_pairs.hpp"
 
 namespace cd {
@@ -18,8 +18,6 @@ ContactRow TimeStep::row(int32_t contact) const
 	double turned;
 	return rowOf(*source, rowPair[contact], *sourceSettings, turned);
 }
-
-std::array<double, 2> TimeStep::guess(int32_t contact) const { return firstGuess(*source, rowPair[contact], *sourceSettings); }
 
 void TimeStep::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group* groups, uint8_t* left) const
 {

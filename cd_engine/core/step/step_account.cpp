@@ -59,11 +59,8 @@ inline TimeStep::Effect TimeStep::effectOf(const ContactRow& c, double rate) con
 {
 	const double fn = c.pn * rate, ft = c.pt * rate;
 	// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
-	const double *a = means[c.a].v, *b = means[c.b].v;
-	const double dx = b[0] - a[0], dy = b[1] - a[1];
-	const double un = c.nx * dx + c.ny * dy + c.bn * b[2] - c.an * a[2];
-	const double ut = c.nx * dy - c.ny * dx + c.bt * b[2] - c.at * a[2];
-	return { c.a, c.b, c.nx, c.ny, fn * c.nx, fn * c.ny, -ft * c.ny, ft * c.nx, c.mu, c.pn, c.pt, c.pn * un + c.pt * ut };
+	const Components<double> u = relativeVelocity<false>(c, motionOf(means[c.a].v), motionOf(means[c.b].v));
+	return { c.a, c.b, c.nx, c.ny, fn * c.nx, fn * c.ny, -ft * c.ny, ft * c.nx, c.mu, c.pn, c.pt, c.pn * u.n + c.pt * u.t };
 }
 
 // Books the effect of a contact on its pair and the sums. Inlined, so that no effect goes through memory.
@@ -127,7 +124,7 @@ TimeStep::Account TimeStep::account(World& world, const StepSettings& settings, 
 			bookPostponed(world, settings, rate, from, std::min(batch, to - from), sum);
 		return sum;
 	}
-	const ContactRow* const rows = system.contacts.data();
+	const ContactRow* const rows = system.contacts.all().data();
 	for (size_t i = from; i < to; i++) {
 		if (i + bodiesAhead < to) {
 			__builtin_prefetch(&means[rows[i + bodiesAhead].a]);

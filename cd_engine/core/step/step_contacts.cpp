@@ -142,10 +142,8 @@ Touch TimeStep::touchOf(const World& world, std::size_t index) const
 	return touchAt(world.carried[index].nx, world.carried[index].ny, -overlaps[index], places[world.pairs[index].b]);
 }
 
-// Keeps the rows of the last step, so that they are not constructed again.
 void TimeStep::resizeRows(std::size_t count, const StepSettings& settings)
 {
-	system.contacts.resize(count);
 	special.resize(count);
 	rowPair.resize(count);
 	rebounds.resize(settings.restitution > 0 ? count : 0);
@@ -305,9 +303,10 @@ void TimeStep::findContacts(World& world, const StepSettings& settings, const Be
 	// Rows that push need a proof that there is a solution (verdict.hpp), which reads all of them.
 	const bool pushes = begun.turns || settings.gapCorrection != 0 || settings.restitution != 0;
 	if (same && !pushes && settings.warmStart && sleepers.none() && findSpecial(world, settings))
-		return system.contacts.postpone(this);
+		return system.contacts.postpone(*this, all.contacts);
 	system.contacts.forgetSource();
-	ContactRow* const first = system.contacts.data();
+	system.contacts.resize(all.contacts);
+	ContactRow* const first = system.contacts.all().data();
 	forEach(&threads, cut.parts,
 	    [&](std::size_t part) { fillRows(world, settings, first, parts[part].first, parts[part].first + parts[part].contacts); });
 }

@@ -73,7 +73,7 @@ const std::vector<std::array<double, 3>>& TimeStep::impulsesOn(const World& worl
 	if (std::exchange(impulsesKnown, true))
 		return impulses;
 	std::fill(impulses.begin(), impulses.end(), std::array<double, 3> {});
-	const ContactRow* const rows = spared ? nullptr : system.contacts.data();
+	const ContactRow* const rows = spared ? nullptr : system.contacts.all().data();
 	const double* const solution = system.contacts.solution();
 	// In the order of the contacts, which decides the last digits.
 	for (std::size_t i = 0; i < rowPair.size(); i++) {

@@ -25,8 +25,7 @@ std::array<double, 2> TimeStep::firstGuess(const World& world, std::size_t index
 	if (!settings.warmStart)
 		return { 0, 0 };
 	const auto [pn, pt] = world.carried[index].impulse(settings.dt);
-	const double most = world.pairs[index].mu * pn;
-	return { pn, std::abs(pt) > most * onCone ? std::copysign(most, pt) : pt };
+	return { pn, cutGuess<double>({ pn, pt }, world.pairs[index].mu, onCone) };
 }
 
 // The row of any pair. turned: the change of its gap by the rotation of its boundary.
@@ -66,7 +65,7 @@ ContactRow TimeStep::rowOf(const World& world, std::size_t index, const StepSett
 void TimeStep::askRebound(const World& world, std::size_t row, ContactRow& c, double turned, const StepSettings& settings)
 {
 	const Body &a = world.bodies[c.a], &b = world.bodies[c.b];
-	const double gap = gapOf(world, rowPair[row]), un = c.nx * (b.v[0] - a.v[0]) + c.ny * (b.v[1] - a.v[1]) - c.an * a.v[2];
+	const double gap = gapOf(world, rowPair[row]), un = relativeVelocity<false>(c, motionOf(a.v), motionOf(b.v)).n;
 	const bool hit = un < 0 && gap + turned + settings.dt * un <= 0, parts = gap <= 0 && un > 0;
 	const double rebound = hit || parts ? settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
 	rebounds.set(row, c.bias, rebound);

@@ -3,6 +3,7 @@
 
 #include "scene/scene.hpp"
 #include "islands/islands.hpp"
+#include "kernels/kernels.hpp"
 #include "step/rebounds.hpp"
 #include "base/base.hpp"
 #include "search/search.hpp"
@@ -10,10 +11,6 @@
 #include <array>
 
 namespace cd {
-
-struct PairLanes;
-struct PairEffects;
-struct RowSettings;
 
 struct StepSettings {
 	double dt = 0; // [s]
@@ -53,7 +50,7 @@ struct StepReport {
 // The smallest radius of the disks [m]; infinite if there is no disk.
 double smallestRadius(const World&);
 
-class TimeStep : RowSource {
+class TimeStep : GroupSource {
     public:
 	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4). Only the
 	// pairs in world.awake may touch.
@@ -133,7 +130,6 @@ class TimeStep : RowSource {
 	bool findSpecial(const World&, const StepSettings&);
 	void makeRows(std::vector<ContactRow>&) override;
 	ContactRow row(int32_t contact) const override;
-	std::array<double, 2> guess(int32_t contact) const override;
 	void fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group*, uint8_t* left) const override;
 	void askRebound(const World&, std::size_t row, ContactRow&, double turned, const StepSettings&);
 	bool closes(const World&, const Pair&, const Touch&, double gap, double dt) const;

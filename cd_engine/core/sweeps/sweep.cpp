@@ -1,17 +1,30 @@
 #include "sweeps/sweep.hpp"
-#include "problem/problem.hpp"
 
-#include <algorithm>
-#include <cstring>
+#include <cassert>
 
 namespace cd {
 namespace {
 
-	// Of a group or a contact. std::copy_n would be a call.
-	template <class From, class To> void copyImpulses(const From& from, To& to)
+	void solve(LooseContact& l, PackedBody* bodies)
 	{
-		std::memcpy(&to.pn, &from.pn, sizeof to.pn);
-		std::memcpy(&to.pt, &from.pt, sizeof to.pt);
+		ContactRow& c = l.row;
+		PackedBody &A = bodies[c.a], &B = bodies[c.b];
+		Components<double> u = relativeVelocity<true, double>(c, { A.vx, A.vy, A.spin }, { B.vx, B.vy, B.spin });
+		u.n += c.bias;
+		const Components<double> before = impulseOf(c), p = solveContact(c, u, before);
+		push(actionOf(c, p - before), velocityOf(A), l.wa, velocityOf(B), l.wb);
+		setImpulse(c, p);
+	}
+
+	void solveAhead(LooseContact& l, Components<double>& before, PackedBody* bodies, double beta, AheadReport& report)
+	{
+		const Components<double> p = impulseOf(l.row), y = extrapolated(p, before, beta);
+		before = p;
+		setImpulse(l.row, y);
+		solve(l, bodies);
+		const Components<double> next = impulseOf(l.row);
+		report.change += dot(y - next, y - next);
+		report.against += dot(y - next, next - p);
 	}
 
 } // namespace
@@ -20,191 +33,95 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
     : system(s)
     , kept(s.memory)
     , packed(*kept)
+    , problem(packed.problem)
     , order(seed, s.memory)
     , threads(t)
 {
-	const Same same = classifyBodies();
-	twisted = same.twisted;
-	// Sweeps take the contacts from the step itself where they link the same bodies as those that were grouped.
-	if (!same.kinds || !same.masses || !packed.partition.knows(system) || system.contacts.solvedBeside()
-	    || packed.blocks.contacts.size() != system.contacts.size())
-		system.contacts.make();
-	const bool others = packed.partition.update(system, threads), anew = others || !same.kinds || packed.parts.empty() || !fill();
-	if (anew) {
-		system.contacts.make();
-		groupContacts();
-		fill();
-	}
-	if (anew || !same.masses)
-		findCarried();
+	packed.error.prepare(system, problem, problem.pack(system, threads));
 	restoreVelocities();
 }
 
 void Sweep::restoreVelocities()
 {
-	moveBodies();
+	const std::vector<PackedBody>& moved = packed.error.velocities(problem, threads);
 	// + 0 turns -0 into +0. A body at rest must stay at +0 whatever is added to it 0 times, or its lanes would differ in sign.
-	inEveryBlock([&](const Part& block) {
-		for (const std::size_t i : block.bodies) {
-			const PackedBody& m = packed.moved[i];
-			packed.bodies[i] = { m.vx + 0., m.vy + 0., m.spin + 0., packed.bodies[i].w };
-		}
+	problem.blocks.inEvery(threads, [&](int32_t block) {
+		for (const std::size_t i : problem.bodies.ofBlock[block])
+			problem.bodies.now[i] = { moved[i].vx + 0., moved[i].vy + 0., moved[i].spin + 0., problem.bodies.now[i].w };
 	});
 	remembered = false; // what is remembered still contains the round-off
 }
 
-void Sweep::store()
-{
-	double* const beside = system.contacts.postponed() ? system.contacts.storeBeside() : nullptr;
-	const auto store = [&](int32_t contact, double pn, double pt) {
-		if (beside) {
-			beside[2 * contact] = pn;
-			beside[2 * contact + 1] = pt;
-			return;
-		}
-		system.contacts[contact].pn = pn;
-		system.contacts[contact].pt = pt;
-	};
-	inEveryBlock([&](const Part& block) {
-		for (const std::size_t k : block.groups) {
-			const Group& g = packed.groups[k];
-			if (k + soon < block.groups.to) { // only two of its eleven lines are read
-				__builtin_prefetch(&packed.groups[k + soon].pn);
-				__builtin_prefetch(&packed.groups[k + soon].pt);
-			}
-			for (std::size_t lane = 0; lane < Group::lanes; lane++)
-				if (const int32_t contact = packed.grouping.members[k * Group::lanes + lane]; contact >= 0)
-					store(contact, g.pn[lane], g.pt[lane]);
-		}
-		for (const std::size_t i : block.loose)
-			store(packed.grouping.loose[i], packed.loose[i].row.pn, packed.loose[i].row.pt);
-		for (const std::size_t i : block.bodies) {
-			if (i + soon < block.bodies.to) {
-				__builtin_prefetch(&system.bodies[packed.bodyAt[i + soon]], 1);
-				__builtin_prefetch(&packed.inverseRadii[packed.bodyAt[i + soon]]);
-			}
-			if (packed.partition.freedom[packed.bodyAt[i]] == 0)
-				continue; // immobile: keeps its velocity
-			BodyVelocity& b = system.bodies[packed.bodyAt[i]];
-			const PackedBody& v = packed.bodies[i];
-			b.v[0] = v.vx;
-			b.v[1] = v.vy;
-			// Adds only the change, so that a spin that nothing changes stays the same to the last bit.
-			b.v[2] += (v.spin - packed.freeBodies[i].spin) * packed.inverseRadii[packed.bodyAt[i]];
-		}
-	});
-}
-
-// Calls copy(the packed impulses, those of the iterate) for all groups and loose contacts.
-template <class P, class Copy> void Sweep::withIterate(P& p, const Copy& copy) const
-{
-	inEveryBlock([&](const Part& block) {
-		for (const std::size_t k : block.groups)
-			copy(packed.groups[k], p.groups[k]);
-		for (const std::size_t i : block.loose)
-			copy(packed.loose[i].row, p.loose[i]);
-	});
-}
-
 void Sweep::copyTo(Iterate& p) const
 {
-	p.groups.resize(packed.groups.size());
-	p.loose.resize(packed.loose.size());
-	withIterate(p, [](const auto& own, auto& saved) { copyImpulses(own, saved); });
+	p.groups.resize(problem.contacts.groups.size());
+	p.loose.resize(problem.contacts.loose.size());
+	problem.blocks.inEvery(threads, [&](int32_t block) { problem.contacts.copyTo(p, block); });
 }
 
 void Sweep::copyFrom(const Iterate& p)
 {
-	current = false;
-	withIterate(p, [](auto& own, const auto& saved) { copyImpulses(saved, own); });
+	assert(p.groups.size() == problem.contacts.groups.size() && p.loose.size() == problem.contacts.loose.size());
+	packed.error.impulsesHaveChanged();
+	problem.blocks.inEvery(threads, [&](int32_t block) { problem.contacts.copyFrom(p, block); });
 }
 
-void Sweep::solveLoose(Loose& l, PackedBody* bodies)
-{
-	ContactRow& c = l.row;
-	PackedBody &A = bodies[c.a], &B = bodies[c.b];
-	const double dx = B.vx - A.vx, dy = B.vy - A.vy;
-	const double un = c.nx * dx + c.ny * dy + (c.bn * B.spin - c.an * A.spin) + c.bias;
-	const double ut = c.nx * dy - c.ny * dx + (c.bt * B.spin - c.at * A.spin);
-	double pn, pt;
-	if (c.wnt == 0 && c.wtt > 0) {
-		pn = std::max(0., c.pn - un / c.wnn);
-		pt = std::max(-c.mu * pn, std::min(c.mu * pn, c.pt - ut / c.wtt));
-	} else {
-		const double qn = un - (c.wnn * c.pn + c.wnt * c.pt), qt = ut - (c.wnt * c.pn + c.wtt * c.pt);
-		solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, qn, qt, pn, pt);
-	}
-	push(l, pn - c.pn, pt - c.pt, A, B);
-	c.pn = pn;
-	c.pt = pt;
-}
-
-inline void Sweep::solveAhead(Loose& l, Iterate::Loose& before, PackedBody* bodies, double beta, AheadReport& report)
-{
-	ContactRow& c = l.row;
-	const double n = c.pn, t = c.pt;
-	const double yn = n + beta * (n - before.pn), yt = t + beta * (t - before.pt);
-	before = { n, t };
-	c.pn = yn;
-	c.pt = yt;
-	solveLoose(l, bodies);
-	const double dn = yn - c.pn, dt = yt - c.pt;
-	report.change += dn * dn + dt * dt;
-	report.against += dn * (c.pn - n) + dt * (c.pt - t);
-}
-
-// Calls work(groups, loose contacts, where their sums are) in the order of the sweep.
+// Calls work(groups, loose contacts, block of their sums) in the order of the sweep.
 template <class Work> void Sweep::inOrder(const Work& work)
 {
-	current = false;
+	packed.error.impulsesHaveChanged();
+	const PackedContacts& contacts = problem.contacts;
 	if (!order)
-		return colourByColour([&](Part& block) { work(block.groups, block.loose, block); });
-	const std::size_t groups = packed.groups.size();
-	order.visit(groups + packed.loose.size(), [&](std::size_t i, std::size_t end) {
+		return problem.blocks.byColour(
+		    threads, [&](int32_t block) { work(contacts.ofBlock[block].groups, contacts.ofBlock[block].loose, block); });
+	const std::size_t groups = contacts.groups.size();
+	order.visit(groups + contacts.loose.size(), [&](std::size_t i, std::size_t end) {
 		if (i < groups)
-			work(Range { i, end }, Range {}, packed.parts[0]);
+			work(Range { i, end }, Range {}, 0);
 		else
-			work(Range {}, Range { i - groups, end - groups }, packed.parts[0]);
+			work(Range {}, Range { i - groups, end - groups }, 0);
 	});
 }
 
 void Sweep::operator()()
 {
-	inOrder([&](const Range& groups, const Range& loose, Part&) {
-		groupKernel().sweep(packed.groups.data() + groups.from, groups.size(), packed.bodies.data());
+	PackedBody* const bodies = problem.bodies.now.data();
+	inOrder([&](const Range& groups, const Range& loose, int32_t) {
+		groupKernel().sweep(problem.contacts.groups.data() + groups.from, groups.size(), bodies);
 		for (const std::size_t i : loose)
-			solveLoose(packed.loose[i], packed.bodies.data());
+			solve(problem.contacts.loose[i], bodies);
 	});
 }
 
 // Velocities are linear in the impulses, so they are extrapolated in the same way.
 AheadReport Sweep::ahead(double beta)
 {
+	PackedBody* const bodies = problem.bodies.now.data();
 	if (!remembered) {
-		packed.bodiesBefore = packed.bodies;
+		packed.bodiesBefore = problem.bodies.now;
 		copyTo(packed.before);
 		remembered = true;
 	}
-	inEveryBlock([&](Part& block) {
-		groupKernel().extrapolate(&packed.bodies[block.bodies.from], &packed.bodiesBefore[block.bodies.from], block.bodies.size(), beta);
-		block.ahead = {};
-		block.aheadLoose = {};
+	packed.sums.assign(problem.blocks.count(), {});
+	problem.blocks.inEvery(threads, [&](int32_t block) {
+		const Range& own = problem.bodies.ofBlock[block];
+		groupKernel().extrapolate(bodies + own.from, &packed.bodiesBefore[own.from], own.size(), beta);
 	});
-	inOrder([&](const Range& groups, const Range& loose, Part& sums) {
-		groupKernel().sweepAhead(packed.groups.data() + groups.from, packed.before.groups.data() + groups.from, groups.size(),
-		    packed.bodies.data(), beta, sums.ahead);
+	inOrder([&](const Range& groups, const Range& loose, int32_t block) {
+		groupKernel().sweepAhead(problem.contacts.groups.data() + groups.from, packed.before.groups.data() + groups.from, groups.size(),
+		    bodies, beta, packed.sums[block].groups);
 		for (const std::size_t i : loose)
-			solveAhead(packed.loose[i], packed.before.loose[i], packed.bodies.data(), beta, sums.aheadLoose);
+			solveAhead(problem.contacts.loose[i], packed.before.loose[i], bodies, beta, packed.sums[block].loose);
 	});
 	LaneSums sums = {};
 	AheadReport report;
-	for (const Part& block : packed.parts) {
+	for (const AheadSums& block : packed.sums) {
 		for (int lane = 0; lane < Group::lanes; lane++) {
-			sums.change[lane] += block.ahead.change[lane];
-			sums.against[lane] += block.ahead.against[lane];
+			sums.change[lane] += block.groups.change[lane];
+			sums.against[lane] += block.groups.against[lane];
 		}
-		report.change += block.aheadLoose.change;
-		report.against += block.aheadLoose.against;
+		report.change += block.loose.change;
+		report.against += block.loose.against;
 	}
 	for (int lane = 0; lane < Group::lanes; lane++) {
 		report.change += sums.change[lane];

@@ -1,0 +1,19 @@
+// Contacts that go straight into the groups of a sweep.
+#pragma once
+
+#include "kernels/group.hpp"
+#include "problem/problem.hpp"
+
+namespace cd {
+
+class GroupSource : public RowSource {
+    public:
+	// Writes contacts into the lanes of `count` groups, eight a group. inverseRadius: of every body, one over its radius of gyration. Sets a bit
+	// of `left` for each lane that only row() can tell, and for every empty lane (-1).
+	virtual void fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group* groups, uint8_t* left) const = 0;
+
+    protected:
+	~GroupSource() = default;
+};
+
+} // namespace cd

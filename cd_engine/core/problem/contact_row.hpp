@@ -1,0 +1,59 @@
+// A body and a contact in the equations of a step. contact_system.hpp has the conventions.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace cd {
+
+// One cache line a body, because a contact needs the velocity and the inverse mass of a body together.
+struct alignas(64) BodyVelocity {
+	double v[3]; // v_x, v_y [m/s], angular velocity about z [rad/s]
+	double pushed; // magnitude of the velocity change by the external force in the step [m/s]; 0 where it is not known
+	double w[3]; // 1/m along x, 1/m along y [1/kg], 1/I [1/(kg m^2)]; 0 where the freedom is blocked
+	double twisted; // the same for the angular velocity, by the external torque [rad/s]
+};
+static_assert(sizeof(BodyVelocity) == 64 && offsetof(BodyVelocity, w) == 32);
+
+struct ContactRow {
+	static constexpr bool central = false; // law.inl
+	int32_t a = 0, b = 0; // indices of the bodies
+	double nx = 0, ny = 0; // unit normal a -> b
+	double an = 0, at = 0; // lever arms about the centre of `a`: cross(arm, n), cross(arm, t) [m]
+	double bn = 0, bt = 0; // the same about the centre of `b` [m]
+	double bias = 0; // [m/s]
+	double mu = 0; // Coulomb friction coefficient
+	double wnn = 0, wnt = 0, wtt = 0; // own block of W [1/kg]
+	double pn = 0, pt = 0; // impulse on `b` [N s]: first guess on entry, solution on exit
+
+	// Whether the normal and tangential directions are uncoupled: true for disks, and for boundaries whose free directions are along n or t.
+	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }
+
+	// Whether neither body can move along the normal: the compliance `along` the normal is only round-off of the sum of `all` compliances.
+	// Example: the normal of a body blocked along x, computed as (1, cos(pi/2)), has 6e-17 along y: an effective mass of 1e32 times its own.
+	static constexpr double leastShare = 1e-29; // (14 epsilon)^2
+	static bool held(double along, double all) { return along <= leastShare * all; }
+	double freedom(const double* a, const double* b) const
+	{
+		return a[0] + a[1] + b[0] + b[1] + (an * an + at * at) * a[2] + (bn * bn + bt * bt) * b[2];
+	}
+
+	// Fills wnn, wnt, wtt from the arms and the inverse masses of the bodies. wnn = 0 if both are immobile along n; solvers skip such contacts.
+	void assembleBlock(const BodyVelocity& A, const BodyVelocity& B)
+	{
+		// The arms of a body that does not and cannot turn have no effect. Zero arms allow the faster kernel for uncoupled contacts.
+		if (A.w[2] == 0 && A.v[2] == 0)
+			an = at = 0;
+		if (B.w[2] == 0 && B.v[2] == 0)
+			bn = bt = 0;
+		const double wx = A.w[0] + B.w[0], wy = A.w[1] + B.w[1];
+		wnn = nx * nx * wx + ny * ny * wy + an * an * A.w[2] + bn * bn * B.w[2];
+		wtt = ny * ny * wx + nx * nx * wy + at * at * A.w[2] + bt * bt * B.w[2];
+		wnt = nx * ny * (wy - wx) + an * at * A.w[2] + bn * bt * B.w[2];
+		if (wnn > 0 && held(wnn, freedom(A.w, B.w)))
+			wnn = wnt = pn = pt = 0;
+	}
+};
+static_assert(sizeof(ContactRow) == 8 + 13 * 8 && offsetof(ContactRow, at) == 32 && offsetof(ContactRow, mu) == 64 && offsetof(ContactRow, pn) == 96);
+
+} // namespace cd
