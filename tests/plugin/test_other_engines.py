@@ -103,11 +103,12 @@ ENGINES = set("""
 CRASH = {"MicroMacroAnalyser"}  # where nothing has been set
 
 
-def test_every_engine_is_refused_or_leaves_the_forces(O):
+def test_every_engine_is_refused_or_leaves_the_forces(O, tmp_path, monkeypatch):
     """Of two disks on the floor one is pressed by 1000 N. A new release may have an engine that this file does not list: look whether it writes to
     interactions, and name it here, and in other_engines.cpp if it does not."""
     names = yade.system.childClasses("Engine") - {"ContactDynamics", "DashpotWork", "PathIndependentShear"}
     assert names <= ENGINES
+    monkeypatch.chdir(tmp_path)  # recorders write files
     refused = set()
     for name in sorted(names - CRASH):
         O.reset()
