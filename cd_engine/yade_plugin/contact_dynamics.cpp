@@ -6,15 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <tuple>
 
 extern "C" [[gnu::weak]] int omp_get_max_threads(); // of the OpenMP library that YADE's own loops use; null if YADE was built without it
 
 namespace cd_engine {
 namespace {
 
-	// Steps between two trials of rest, and sweeps in one trial: about one sweep a step since the last trial. This costs less than an island at
-	// rest that stays awake. Islands that come to rest in a thousand sweeps mostly do so in a hundred, the others by chance in a later trial.
-	constexpr int shortestPause = 16, longestPause = 2048, fewestTrialSweeps = 64, mostTrialSweeps = 1024;
 	constexpr const char* noMemory = "ContactDynamics: no memory is left for this step; it has not been made";
 	constexpr const char* noMemoryToShow
 	    = "ContactDynamics: no memory is left to show this step: the bodies have moved, but the forces of their contacts are lost";
@@ -174,11 +172,6 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.iteration = scene_iter(of);
 	s.reduce = reduce;
 	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
-	const bool awake = sleeping < islands; // else there is nothing to try
-	s.trial = awake && steps >= restTrialAt ? std::clamp(restTrialPause, fewestTrialSweeps, mostTrialSweeps) : 0;
-	s.loadsBefore = &loadsBeforeTrial;
-	s.rested = rested;
-	s.notesLoads = awake && steps + 1 == restTrialAt;
 	s.solve = cd::findSolver(method);
 	s.restTolerance = tolerance;
 	s.solver = { nextTolerance(), maxIterations, fixedIterations };
@@ -187,6 +180,15 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.solver.guessSolved = converged || steps == 0;
 	s.solver.guessPressed = pressed;
 	return s;
+}
+
+// Gives the step what is saved of rest.
+void ContactDynamics::recallRest()
+{
+	const std::lock_guard<std::mutex> lock(attributesLock);
+	cd::Rest& rest = step.rest;
+	std::tie(rest.steps, rest.trialAt, rest.pause, rest.islands, rest.sleeping, rest.withoutSweep, rest.loadsBefore)
+	    = std::tie(steps, restTrialAt, restTrialPause, islands, sleeping, rested, loadsBeforeTrial);
 }
 
 // Writes to the scene what others read before the next step.
@@ -218,7 +220,7 @@ void ContactDynamics::advance()
 	if (idle && !changed && link.isUnpublished() && !checksOrder() && others.drivenBodies().empty())
 		return repeatIdleStep(weighs);
 	others.check(this, scene, weighs != Vector3r::Zero());
-	cd::StepSettings settings = this->settings(scene);
+	const cd::StepSettings settings = this->settings(scene);
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	last = settings;
@@ -273,14 +275,14 @@ void ContactDynamics::takeOverlaps()
 }
 
 // Makes a step in the core's world. Repeats it with more pairs while bodies outran the list; a repeated step may need more.
-cd::StepReport ContactDynamics::solve(const Vector3r& weighs, cd::StepSettings& settings)
+cd::StepReport ContactDynamics::solve(const Vector3r& weighs, const cd::StepSettings& settings)
 {
+	recallRest();
 	cd::StepReport made = step(link.world, settings);
 	for (std::vector<double> needed; !made.outran.empty();) {
 		needed.resize(made.outran.size());
 		std::transform(needed.begin(), needed.end(), made.outran.begin(), needed.begin(), [](double a, double b) { return std::max(a, b); });
 		link.gather(scene, weighs, settings.dt, memory(), false, searchMargin, step, needed);
-		settings.rested = made.rested;
 		made = step(link.world, settings);
 	}
 	if (made.solver.status == cd::Status::diverged)
@@ -310,16 +312,13 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	converged = report.solver.status == cd::Status::converged || (fixed && !report.solver.doubtful && report.solver.error <= stepTolerance);
 	status = cd::name(report.solver.status);
 	pressed = !converged && (pressed || !unsolvableContact.empty());
-	rested = report.rested;
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
 	unknowns = report.effort.unknowns;
 	islands = report.effort.islands;
 	resting = report.effort.resting;
-	loadsBeforeTrial.clear();
-	if (settings.notesLoads || report.effort.stoppedMoving)
-		loadsBeforeTrial = step.loads();
-	planRestTrial(report.effort, settings.trial > 0);
+	std::tie(restTrialAt, restTrialPause, rested, loadsBeforeTrial)
+	    = std::tie(step.rest.trialAt, step.rest.pause, step.rest.withoutSweep, step.rest.loadsBefore);
 	sleeping = report.effort.sleeping;
 	if (const cd::Cause& cause = step.sleepers.woken(); cause.what) {
 		woken = text("step ", scene_iter(scene), ": ", cause.what, cause.body < 0 ? "" : text(" (body #", cause.body, ")"));
@@ -344,19 +343,6 @@ bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
 	    && now.allowedOverlap == last.allowedOverlap && now.restTolerance == last.restTolerance && now.reduce && now.solver.fixedIterations == 0
 	    && now.solver.seed == 0 && warmStart && !handover;
-}
-
-// After a failed trial, the next one comes later. After islands have been woken, it comes soon, because they may soon be at rest again.
-void ContactDynamics::planRestTrial(const cd::Effort& effort, bool tried)
-{
-	const bool woken = effort.sleeping < sleeping;
-	if (!tried && !woken)
-		return;
-	if (woken || (effort.notAtRest == 0 && effort.provenAtRest > 0))
-		restTrialPause = shortestPause;
-	else if (effort.notAtRest > 0)
-		restTrialPause = std::min(2 * restTrialPause, longestPause);
-	restTrialAt = steps + (effort.stoppedMoving ? 1 : restTrialPause);
 }
 
 } // namespace cd_engine

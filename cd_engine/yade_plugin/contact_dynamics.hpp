@@ -39,6 +39,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double nextTolerance() const;
 	void noteUnrest(const cd::StepReport&);
 	cd::StepSettings settings(yade::Scene*) const;
+	void recallRest();
 	void show();
 	void takeOver();
 	void release();
@@ -46,9 +47,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void advance();
 	void repeatIdleStep(const Vector3r& weighs);
 	void takeOverlaps();
-	cd::StepReport solve(const Vector3r& weighs, cd::StepSettings&);
+	cd::StepReport solve(const Vector3r& weighs, const cd::StepSettings&);
 	void report(const cd::StepReport&, const cd::StepSettings&);
-	void planRestTrial(const cd::Effort&, bool tried);
 	bool sleepGoesOn(const cd::StepSettings&) const;
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength }, attributesLock }; }
 	bool checksOrder() const { return steps % 64 == 0; }

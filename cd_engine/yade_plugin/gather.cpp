@@ -159,7 +159,7 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 		outdated = false;
 	}
 	if (!searched && !taken)
-		return sleepers.look(world);
+		return sleepers.update(world);
 	takeReferences(memory, taken);
 	if (searched && search.mover() >= 0)
 		sleepers.wakeAll(world, { "near pairs were searched anew, since a body has moved far", search.mover() });

@@ -205,7 +205,7 @@ void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
 {
 	if (!unpublished)
 		return;
-	step.lookBack(world, lastDt);
+	step.locateBack(world, lastDt);
 	publishScene(scene, step);
 }
 

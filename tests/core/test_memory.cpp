@@ -23,7 +23,7 @@ TEST_CASE("a time step asks for no memory once its sizes have settled, be it sol
 			int most = 0, islands = 0, without = 0; // without: steps in a row that asked for no memory
 			// Disks roll on for long, and now and then there are more contacts than ever before.
 			for (int i = 0; i < 2000 && without < 100; i++) {
-				step.sleepers.look(w);
+				step.sleepers.update(w);
 				const std::size_t before = allocations();
 				const StepReport report = step(w, settings);
 				without = allocations() == before ? without + 1 : 0;

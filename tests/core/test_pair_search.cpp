@@ -1,5 +1,6 @@
 // Near pairs: against a look at all of them, while bodies move.
 #include "search/pair_search.hpp"
+#include "search/reach.hpp"
 #include "step/time_step.hpp"
 
 #include <doctest/doctest.h>

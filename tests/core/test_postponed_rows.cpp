@@ -73,7 +73,7 @@ struct Run {
 
 	void operator()(const StepSettings& s)
 	{
-		step.sleepers.look(world);
+		step.sleepers.update(world);
 		report = step(world, s);
 		postponed += step.sparedRows();
 	}
@@ -237,7 +237,7 @@ struct Edited : Run {
 	void gather(const std::vector<double>& outran)
 	{
 		if (!search.needed(world, s.dt, 1, outran)) // wide margins, so that the list lasts
-			return step.sleepers.look(world);
+			return step.sleepers.update(world);
 		search.find(world, {});
 		world.listing += counts;
 		step.sleepers.wakeAll(world);

@@ -61,7 +61,7 @@ struct Scene {
 		s.restitution = restitution;
 		s.solve = findSolver("auto");
 		s.solver = { tolerance, 200000 };
-		t.sleepers.look(world);
+		t.sleepers.update(world);
 		return t(world, s);
 	}
 	// No step that is solved adds more than this share of the energy.

@@ -63,7 +63,6 @@ struct Run {
 	TimeStep step;
 	StepSettings settings;
 	StepReport report;
-	std::vector<int> loads; // of the last step
 
 	Run(const World& w, bool looksAtAll)
 	    : world(w)
@@ -72,8 +71,6 @@ struct Run {
 		settings.dt = h;
 		settings.solve = findSolver("auto");
 		settings.solver.tolerance = 1e-6;
-		settings.trial = 400;
-		settings.loadsBefore = &loads;
 	}
 
 	void go()
@@ -81,11 +78,13 @@ struct Run {
 		if (looksAtAll)
 			step.sleepers.wakeAll(world);
 		else
-			step.sleepers.look(world);
+			step.sleepers.update(world);
 		for (Pair& pair : world.pairs)
 			pair.mu = std::min(world.bodies[pair.a].friction, world.bodies[pair.b].friction);
+		step.rest.trialAt = step.rest.steps; // a trial in every step
+		step.rest.pause = 400;
 		report = step(world, settings);
-		loads = step.loads();
+		step.rest.loadsBefore = step.rest.loads;
 	}
 
 	// What a user sees of a step.

@@ -234,7 +234,7 @@ TEST_CASE("steps are the same bits by every number of threads, with restitution 
 				settings.solver.maxIterations = 200;
 				double lost = 0;
 				for (int i = 0; i < 4; i++) {
-					step.sleepers.look(w);
+					step.sleepers.update(w);
 					const StepReport report = step(w, settings);
 					CHECK(report.solver.status != Status::diverged);
 					most = std::max(most, report.contacts);

@@ -34,7 +34,7 @@ StepReport step(World& w, double gapCorrection, double restitution = 0, double a
 	s.solve = findSolver("nsgs");
 	s.solver.tolerance = 1e-13;
 	TimeStep t;
-	t.sleepers.look(w);
+	t.sleepers.update(w);
 	return t(w, s);
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("a disk between two faces that have passed each other has all its cont
 	s.dt = h;
 	s.solve = findSolver("nsgs");
 	TimeStep t;
-	t.sleepers.look(w);
+	t.sleepers.update(w);
 	t(w, s);
 	REQUIRE(t.pairs().size() == 2);
 	double centre[2];
@@ -188,7 +188,7 @@ TEST_CASE("fixedIterations are so many sweeps, also where an impact goes on to a
 	s.solve = findSolver("nsgs");
 	s.solver.fixedIterations = 7;
 	TimeStep t;
-	t.sleepers.look(w);
+	t.sleepers.update(w);
 	const StepReport r = t(w, s);
 	CHECK(r.contacts == 2);
 	CHECK(r.solver.iterations == 7);
@@ -237,7 +237,7 @@ TEST_CASE("a contact that only the solution makes starts with the impulse that i
 	s.solver.maxIterations = 100;
 	asked = {};
 	TimeStep t;
-	t.sleepers.look(w);
+	t.sleepers.update(w);
 	const StepReport r = t(w, s);
 	REQUIRE(asked.contacts == std::vector<int> { 1, 2 });
 	// Two disks of 1 kg that run into each other at half the speed, of which closing the gap takes gap/h.

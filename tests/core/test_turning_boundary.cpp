@@ -38,7 +38,7 @@ struct Scene {
 		s.solve = findSolver("nsgs");
 		s.solver.tolerance = tolerance;
 		TimeStep t;
-		t.sleepers.look(world);
+		t.sleepers.update(world);
 		const StepReport report = t(world, s);
 		Shape& shape = world.shapes[0];
 		const double c = std::cos(world.bodies[0].turn), sine = std::sin(world.bodies[0].turn), before = shape.cosine;

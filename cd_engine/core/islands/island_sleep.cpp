@@ -9,11 +9,12 @@
 // before this step is tried again in the next one, in which nothing must be stopped, so that its impulses are those of rest. An island
 // sleeps if nothing in it moves before a step and its impulses keep it so, to a hundredth of the tolerance. It is not solved again, and
 // smaller forces may be lost. Which islands sleep follows from velocities, impulses and what the engine saves, so that a saved scene
-// continues identically. If the tolerance changes from step to step, rest is judged by the smallest one. Islands in which nothing changes at all are
-// not even looked at (sleepers.hpp).
+// continues identically. If the tolerance changes from step to step, the smallest one counts for rest. Islands in which nothing changes at all are
+// not even examined (sleepers.hpp).
 #include "islands/island_solver.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <functional>
 #include <limits>
 #include <string_view>
@@ -41,10 +42,38 @@ namespace {
 
 } // namespace
 
-int fingerprint(const double gained[3])
+void Rest::begin(const std::vector<Body>& bodies, double dt)
 {
-	const double positive[] = { gained[0] + 0., gained[1] + 0., gained[2] + 0. }; // turns -0 into +0
-	return std::hash<std::string_view>()({ reinterpret_cast<const char*>(positive), sizeof positive }) & 0x7fffffff;
+	loads.clear();
+	if (sweeps() == 0 && !precedesTrial())
+		return;
+	for (const Body& b : bodies) {
+		double gained[3];
+		for (int k = 0; k < 3; k++)
+			gained[k] = dt * b.inverseMass[k] * b.force[k] + 0.; // turns -0 into +0
+		loads.push_back(std::hash<std::string_view>()({ reinterpret_cast<const char*>(gained), sizeof gained }) & 0x7fffffff);
+	}
+}
+
+int Rest::sweeps() const { return sleeping < islands && steps >= trialAt ? std::clamp(pause, fewestSweeps, mostSweeps) : 0; }
+
+// After a failed trial, the next one comes later. After islands have been woken, it comes soon, because they may soon be at rest again.
+void Rest::plan(const Effort& effort)
+{
+	assert(effort.sleeping <= effort.islands);
+	const bool keeps = precedesTrial() || effort.stoppedMoving, tried = sweeps() > 0, woken = effort.sleeping < sleeping;
+	loadsBefore.clear();
+	if (keeps)
+		loadsBefore = loads;
+	if (woken || (tried && effort.notAtRest == 0 && effort.provenAtRest > 0))
+		pause = shortestPause;
+	else if (tried && effort.notAtRest > 0)
+		pause = std::min(2 * pause, longestPause);
+	if ((woken || tried) && trialAt != never)
+		trialAt = steps + (effort.stoppedMoving ? 1 : pause);
+	islands = effort.islands;
+	sleeping = effort.sleeping;
+	steps++;
 }
 
 // Clears `calm` of the islands that have, or touch, a body that meets the condition.
@@ -73,19 +102,19 @@ void IslandSolver::exciteFast(const ContactSystem& system, const int32_t* places
 
 // Leaves only those islands of the part calm that are at rest to `share` of the tolerance. The bodies must have the velocities of its
 // impulses.
-void IslandSolver::judgeRest(double tolerance, double share)
+void IslandSolver::findCalm(double tolerance, double share)
 {
-	for (const int32_t k : partIsland)
+	for (const int32_t k : part.islandOf)
 		islands[k].calm = true;
-	exciteFast(part, place.data(), tolerance, stopped);
-	trial.assign(islands.size(), {});
-	measurePart(trial);
-	for (const int32_t k : partIsland)
-		islands[k].calm = islands[k].calm && trial[k].of().law() <= share * tolerance;
+	exciteFast(part.system, part.place.data(), tolerance, stopped);
+	sums.resize(islands.size());
+	part.measure(sums);
+	for (const int32_t k : part.islandOf)
+		islands[k].calm = islands[k].calm && sums[k].of().law() <= share * tolerance;
 }
 
 // Finds the islands that sleep: nothing in them moved before the step, and their impulses keep it so. They count as solved.
-void IslandSolver::recognise(ContactSystem& system, const std::vector<Body>& before, double tolerance)
+void IslandSolver::findAsleep(ContactSystem& system, const std::vector<Body>& before, double tolerance)
 {
 	for (Island& island : islands)
 		island.calm = true;
@@ -93,14 +122,14 @@ void IslandSolver::recognise(ContactSystem& system, const std::vector<Body>& bef
 	if (std::none_of(islands.begin(), islands.end(), [](const Island& island) { return island.calm; }))
 		return;
 	system.contacts.make();
-	takePart(system, [](const Island& island) { return island.calm; });
-	for (const ContactRow& c : part.contacts)
-		applyImpulse(c, part.bodies[c.a], part.bodies[c.b], c.pn, c.pt);
-	judgeRest(tolerance, sleeps);
+	part.take(system, freeVelocity, partition, [&](int32_t k) { return islands[k].calm; });
+	for (const ContactRow& c : part.system.contacts)
+		applyImpulse(c, part.system.bodies[c.a], part.system.bodies[c.b], c.pn, c.pt);
+	findCalm(tolerance, sleeps);
 	for (std::size_t k = 0; k < islands.size(); k++)
 		if (islands[k].calm) {
-			islands[k].asleep = islands[k].solved = true;
-			found.push_back({ partition.nameAt(partition.islands[k].first), trial[k], 0, 0, 0, 0, {} });
+			islands[k].state = State::asleep;
+			found.push_back({ partition.nameAt(partition.islands[k].first), sums[k], 0, 0, 0, 0, {} });
 		}
 	std::sort(found.begin(), found.end());
 }
@@ -109,51 +138,51 @@ void IslandSolver::recognise(ContactSystem& system, const std::vector<Body>& bef
 // velocities. They keep the impulses that stop them, so that the forces of the step are those that moved its bodies. Only in an island at
 // rest before the step these are the impulses of rest, with which the next step finds it asleep. An island that moved is tried again in the
 // next step.
-void IslandSolver::prove(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
+void IslandSolver::tryRest(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
-	if (!stillness.loadsBefore || stillness.loadsBefore->size() != system.bodies.size())
+	const std::vector<int>&loads = stillness.rest.loads, &before = stillness.rest.loadsBefore;
+	if (before.size() != system.bodies.size())
 		return;
 	for (Island& island : islands)
-		island.calm = !island.asleep && island.sweeps <= fewSweeps;
-	excite([&](int32_t body) { return stillness.loads[body] != (*stillness.loadsBefore)[body]; });
+		island.calm = island.state != State::asleep && island.sweeps <= fewSweeps;
+	excite([&](int32_t body) { return loads[body] != before[body]; });
 	exciteFast(system, nullptr, settings.tolerance, slow);
-	const auto isCalm = [](const Island& island) { return island.calm; };
-	const auto countCalm = [&] { return static_cast<int>(std::count_if(islands.begin(), islands.end(), isCalm)); };
+	const auto isCalm = [&](int32_t k) { return islands[k].calm; };
+	const auto countCalm
+	    = [&] { return static_cast<int>(std::count_if(islands.begin(), islands.end(), [](const Island& island) { return island.calm; })); };
 	const int tried = countCalm();
 	if (tried == 0)
 		return;
-	takePart(system, isCalm);
+	part.take(system, freeVelocity, partition, isCalm);
 	SolverSettings finer = settings;
 	finer.tolerance = stillness.tolerance * proof;
-	finer.maxIterations = std::min(settings.maxIterations, stillness.trial);
+	finer.maxIterations = std::min(settings.maxIterations, stillness.rest.sweeps());
 	for (bool ends = false; !ends;) {
 		// The error is a norm of the whole: a body that carries little may be solved far less exactly than others that carry much.
 		// Newton's method is not used: one step of it costs as much as an awake island in a hundred steps.
 		for (std::size_t i = 0; i < part.bodies.size(); i++)
-			std::copy_n(&partFree[3 * i], 3, part.bodies[i].v);
-		const SolverReport report = accelerated(part, finer);
-		judgeRest(stillness.tolerance, (1 + 1e-9) * proof); // 1e-9: a single island may just reach its tolerance
+			std::copy_n(&part.freeVelocity[3 * i], 3, part.system.bodies[i].v);
+		const SolverReport report = accelerated(part.system, finer);
+		findCalm(stillness.tolerance, (1 + 1e-9) * proof); // 1e-9: a single island may just reach its tolerance
 		finer.maxIterations -= report.iterations;
 		finer.tolerance *= 0.1;
-		ends = std::all_of(partIsland.begin(), partIsland.end(), [&](int32_t k) { return islands[k].calm; })
-		    || report.status != Status::converged || finer.maxIterations <= 0 || finer.tolerance < finest;
+		ends = std::all_of(part.islandOf.begin(), part.islandOf.end(), isCalm) || report.status != Status::converged
+		    || finer.maxIterations <= 0 || finer.tolerance < finest;
 	}
-	for (std::size_t i = 0; i < partContacts.size(); i++)
-		if (islands[partIsland[i]].calm) {
-			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
-			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
-		}
+	part.giveBack(system, isCalm);
 	// Bodies go from v to 0, though the impulses leave a tiny u. Their work counts as if they had stopped everything, -p (v + 0)/2.
-	for (std::size_t i = 0; i < part.bodies.size(); i++)
-		if (const int32_t k = partition.ofBody[partBodies[i]]; k >= 0 && islands[k].calm)
-			for (int j = 0; j < 3; j++) {
-				system.bodies[partBodies[i]].v[j] = 0;
-				if (!(part.bodies[i].w[j] > 0))
-					continue;
-				const double v = stillness.before[partBodies[i]].v[j];
-				effort.stopped += 0.5 * v * part.bodies[i].v[j] / part.bodies[i].w[j];
-				effort.stoppedMoving = effort.stoppedMoving || v != 0;
-			}
+	for (std::size_t i = 0; i < part.bodies.size(); i++) {
+		const int32_t body = part.bodies[i], k = partition.ofBody[body];
+		for (int j = 0; k >= 0 && islands[k].calm && j < 3; j++) {
+			const BodyVelocity& u = part.system.bodies[i];
+			system.bodies[body].v[j] = 0;
+			if (!(u.w[j] > 0))
+				continue;
+			const double v = stillness.before[body].v[j];
+			effort.stopped += 0.5 * v * u.v[j] / u.w[j];
+			effort.stoppedMoving = effort.stoppedMoving || v != 0;
+		}
+	}
 	effort.provenAtRest = countCalm();
 	effort.notAtRest = tried - effort.provenAtRest;
 }
@@ -168,7 +197,7 @@ void IslandSolver::stop(ContactSystem& system, const Sleepers& on, Effort& effor
 	for (std::size_t i = 0; effort.sleeping > 0 && i < system.bodies.size(); i++) {
 		const bool sleepsOn = on.sleeps(static_cast<int32_t>(i));
 		effort.unknowns += sleepsOn ? partition.freedom[i] : 0;
-		if (const int32_t k = partition.ofBody[i]; sleepsOn || (k >= 0 && islands[k].asleep))
+		if (const int32_t k = partition.ofBody[i]; sleepsOn || (k >= 0 && islands[k].state == State::asleep))
 			std::fill_n(system.bodies[i].v, 3, 0.);
 	}
 }

@@ -3,6 +3,7 @@
 #include "solvability/solvability.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -49,45 +50,35 @@ SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettin
 	return report;
 }
 
-void IslandSolver::findIslands(ContactSystem& system, Threads* threads)
+void IslandSolver::findIslands(ContactSystem& system, Threads* threads, Effort& effort)
 {
 	if (!partition.knows(system))
 		system.contacts.make();
 	partition.update(system, threads);
 	islands.assign(partition.islands.size(), {});
-	larger = largest = 0;
-	for (const Partition::Island& island : partition.islands) {
-		larger += island.contacts > 1;
-		largest = std::max(largest, island.contacts);
-	}
-}
-
-void IslandSolver::countUnknowns(Effort& effort)
-{
-	touching = 0;
 	effort = {};
+	effort.islands = static_cast<int>(islands.size());
+	touching = 0;
 	for (std::size_t i = 0; i < partition.freedom.size(); i++)
 		if (partition.ofBody[i] >= 0) {
 			touching++;
 			effort.unknowns += partition.freedom[i];
 		}
-	effort.islands = static_cast<int>(islands.size());
 }
 
 // Computes only impulses: the bodies keep their free velocities. A contact rests if its first guess is within the tolerance of the solution.
 void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 {
 	lone = {};
-	if (larger < static_cast<int>(islands.size()))
-		system.contacts.make();
 	for (std::size_t k = 0; k < islands.size(); k++) {
 		Island& island = islands[k];
-		if (partition.islands[k].contacts > 1 || island.asleep)
+		if (partition.islands[k].contacts > 1 || island.state == State::asleep)
 			continue;
+		system.contacts.make();
 		ContactRow& c = system.contacts[partition.islands[k].first];
 		const Components<double> p = solveAlone(c, system.bodies[c.a], system.bodies[c.b]);
 		island.sweeps = std::hypot(p.n - c.pn, p.t - c.pt) > tolerance * std::hypot(p.n, p.t);
-		island.solved = true;
+		island.state = State::solved;
 		setImpulse(c, p);
 		lone.contacts++;
 		lone.square += dot(p, p);
@@ -113,16 +104,22 @@ bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, doubl
 // Whether the only island beside lone contacts has nine tenths of the contacts, and most bodies touch something: taking it out would cost too much.
 bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 {
-	return larger == 1 && 10 * static_cast<std::size_t>(largest) >= 9 * system.contacts.size()
-	    && 2 * static_cast<std::size_t>(touching) > system.bodies.size();
+	int open = 0;
+	std::size_t contacts = 0;
+	for (std::size_t k = 0; k < islands.size(); k++)
+		if (islands[k].state == State::open) {
+			open++;
+			contacts = static_cast<std::size_t>(partition.islands[k].contacts);
+		}
+	return open == 1 && 10 * contacts >= 9 * system.contacts.size() && 2 * touching > system.bodies.size();
 }
 
 // Solves the system as it is. Sweeps do not change the lone contacts, since these are solved. After a step without sweeps, first tests whether the
 // guess is the solution again, before anything is packed.
-SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings)
+SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings, Rest* rest)
 {
 	SolverReport report;
-	if (rested && !settings.guessPressed && surelySolvable(system, settings.threads)) {
+	if (rest && rest->withoutSweep && !settings.guessPressed && surelySolvable(system, settings.threads)) {
 		system.contacts.make();
 		report.measure(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
@@ -132,189 +129,137 @@ SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, co
 		}
 	}
 	report = method(system, settings);
-	rested = report.iterations == 0;
+	if (rest)
+		rest->withoutSweep = report.iterations == 0;
 	for (Island& island : islands)
-		if (!island.solved)
+		if (island.state == State::open)
 			island.sweeps = report.iterations;
 	return report;
 }
 
 // Marks the islands whose sums show that they are solved now. Returns how many.
-int IslandSolver::judge(double tolerance)
+int IslandSolver::markSolved(double tolerance)
 {
 	int solved = 0;
-	for (std::size_t k = 0; k < islands.size(); k++) {
-		if (islands[k].solved || islands[k].unsolvable)
-			continue;
-		islands[k].solved = sums[k].of().error() <= tolerance;
-		solved += islands[k].solved;
-	}
+	for (std::size_t k = 0; k < islands.size(); k++)
+		if (islands[k].state == State::open && sums[k].of().error() <= tolerance) {
+			islands[k].state = State::solved;
+			solved++;
+		}
 	return solved;
 }
 
-int32_t IslandSolver::placeOf(const ContactSystem& system, int32_t body)
+// Solves the islands together, then goes on with those not solved by themselves. The bodies of the system keep their free velocities. Reports the
+// status, the factorizations, and the contact of the last island found without a solution.
+SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
-	if (place[body] < 0) {
-		place[body] = static_cast<int32_t>(partBodies.size());
-		partBodies.push_back(body);
-		part.bodies.push_back(system.bodies[body]);
-		const double* const free = &freeVelocity[3 * static_cast<std::size_t>(body)];
-		partFree.insert(partFree.end(), free, free + 3);
-		std::copy_n(free, 3, part.bodies.back().v);
-		if (!system.places.empty())
-			part.places.push_back(system.places[body]);
-	}
-	return place[body];
-}
-
-// Takes the wanted islands: contacts in the order of the system, bodies with their free velocities.
-void IslandSolver::takePart(const ContactSystem& system, bool (*wanted)(const Island&))
-{
-	part.bodies.clear();
-	part.places.clear();
-	part.contacts.clear();
-	partFree.clear();
-	partBodies.clear();
-	partContacts.clear();
-	partIsland.clear();
-	part.memory = system.memory;
-	place.assign(system.bodies.size(), -1);
-	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		if (partition.ofContact[i] < 0 || !wanted(islands[partition.ofContact[i]]))
-			continue;
-		part.contacts.push_back(system.contacts[i]);
-		ContactRow& c = part.contacts.back();
-		c.a = placeOf(system, c.a);
-		c.b = placeOf(system, c.b);
-		partContacts.push_back(static_cast<int32_t>(i));
-		partIsland.push_back(partition.ofContact[i]);
-	}
-}
-
-// Replaces the errors of the islands of the part by new ones.
-void IslandSolver::measurePart(std::vector<ResidualSum>& errors)
-{
-	for (const int32_t k : partIsland)
-		errors[k] = {};
-	addResiduals(part, partFree, partIsland, errors, partBodies.data());
-}
-
-// Solves the islands together, then goes on with those not solved by themselves. The bodies of the system keep their free velocities.
-Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
-{
-	factorizations = 0;
-	unsolvable = {};
+	SolverReport of;
+	const auto end = [&](Status status) {
+		of.status = of.contact < 0 ? status : of.status;
+		return of;
+	};
+	sums.assign(islands.size(), {});
 	if (found.size() == islands.size())
-		return Status::converged;
+		return of;
 	if (found.empty())
 		addResiduals(system, freeVelocity, partition.ofContact, sums);
 	else {
-		takePart(system, [](const Island& island) { return !island.asleep; });
-		measurePart(sums);
+		part.take(system, freeVelocity, partition, [&](int32_t k) { return islands[k].state != State::asleep; });
+		part.measure(sums);
 	}
 	const bool solvable
 	    = surelySolvable(system, settings.threads); // else a small error is not enough: the method must find that there is a solution
 	if (solvable && !settings.guessPressed)
-		judge(settings.tolerance);
+		markSolved(settings.tolerance);
 	Status status = Status::converged;
 	SolverSettings left = settings; // iterations that all parts together may still take
 	for (;;) {
-		takePart(system, [](const Island& island) { return !island.solved && !island.unsolvable; });
+		const auto open = [&](int32_t k) { return islands[k].state == State::open; };
+		part.take(system, freeVelocity, partition, open);
 		if (part.contacts.empty())
-			return solvable ? Status::converged : status;
+			return end(solvable ? Status::converged : status);
 		if (left.maxIterations <= 0)
-			return Status::max_iterations;
-		const SolverReport report = method(part, left);
+			return end(Status::max_iterations);
+		const SolverReport report = method(part.system, left);
 		left.maxIterations -= report.iterations;
-		for (std::size_t i = 0; i < partContacts.size(); i++) {
-			system.contacts[partContacts[i]].pn = part.contacts[i].pn;
-			system.contacts[partContacts[i]].pt = part.contacts[i].pt;
-		}
-		factorizations += report.factorizations;
-		for (std::size_t k = 0; k < islands.size(); k++)
-			if (!islands[k].solved && !islands[k].unsolvable)
-				islands[k].sweeps += report.iterations;
-		measurePart(sums);
-		// An island without a solution, or with doubts that remain, must not stop the others. A small error does not make it solved.
+		part.giveBack(system, open);
+		of.factorizations += report.factorizations;
+		for (Island& island : islands)
+			island.sweeps += island.state == State::open ? report.iterations : 0;
+		part.measure(sums);
+		// An island without a solution, or without a clear one, must not stop the others. A small error does not make it solved.
 		if (report.status != Status::converged && report.contact >= 0) {
-			islands[partIsland[report.contact]].unsolvable = true;
-			unsolvable = { report.status, partContacts[report.contact] };
+			islands[part.islandOf[report.contact]].state = State::unsolvable;
+			of.status = report.status;
+			of.contact = part.contacts[report.contact];
 			continue;
 		}
 		status = report.status;
-		if (judge(settings.tolerance) == 0)
-			return status == Status::converged ? Status::stagnated : status;
+		if (markSolved(settings.tolerance) == 0)
+			return end(status == Status::converged ? Status::stagnated : status);
 	}
 }
 
 // Computes the velocities and the error of the whole system.
-SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double tolerance, const Sleepers* sleepers)
+SolverReport IslandSolver::conclude(ContactSystem& system, SolverReport report, double tolerance, const Stillness* stillness)
 {
 	all.clear();
-	int sweeps = 0;
 	double work = 0; // of the islands that are awake
 	for (std::size_t k = 0; k < islands.size(); k++) {
-		if (!islands[k].asleep) {
-			all.push_back(sums[k]);
-			work += sums[k].squareEnergy;
-		}
-		sweeps = std::max(sweeps, islands[k].sweeps);
+		report.iterations = std::max(report.iterations, islands[k].sweeps);
+		if (islands[k].state == State::asleep)
+			continue;
+		all.push_back(sums[k]);
+		work += sums[k].squareEnergy;
 	}
-	static const Sleepers nobody;
-	const std::vector<SleepingIsland>& on = (sleepers ? sleepers : &nobody)->islands();
+	static const std::vector<SleepingIsland> none;
+	const std::vector<SleepingIsland>& on = stillness ? stillness->sleepers.islands() : none;
 	std::merge(on.begin(), on.end(), found.begin(), found.end(), std::back_inserter(all));
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
-		if (partition.ofContact[i] >= 0 && !islands[partition.ofContact[i]].asleep)
+		if (const int32_t k = partition.ofContact[i]; k >= 0 && islands[k].state != State::asleep)
 			addImpulse(system, system.contacts[i]);
-	SolverReport report;
 	report.measure(residual(all.data(), all.size()));
 	report.work = work;
-	report.iterations = sweeps;
-	report.factorizations = factorizations;
-	if (unsolvable.contact >= 0) {
-		report.status = unsolvable.status;
-		report.contact = unsolvable.contact;
-	} else if (std::isnan(report.error))
+	if (report.contact < 0 && std::isnan(report.error))
 		report.status = Status::diverged;
-	else if (report.error > (1 + onTheEdge) * tolerance || status != Status::converged)
-		report.status = status == Status::converged ? Status::stagnated : status;
+	else if (report.status == Status::converged && report.error > (1 + onTheEdge) * tolerance)
+		report.status = Status::stagnated;
 	return report;
 }
 
 SolverReport IslandSolver::operator()(
     ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort, const Stillness* stillness)
 {
+	assert(system.places.empty() || system.places.size() == system.bodies.size());
 	found.clear();
 	if (settings.fixedIterations > 0 || settings.seed > 0)
 		return solveWhole(system, method, settings, effort);
-	findIslands(system, settings.threads);
-	countUnknowns(effort);
+	findIslands(system, settings.threads, effort);
 	copyVelocities(system, freeVelocity, settings.threads);
-	sums.assign(islands.size(), {});
-	if (stillness && !settings.guessPressed) // what a press has left may balance, but holds nothing
-		recognise(system, stillness->before, stillness->tolerance);
+	if (stillness && !settings.guessPressed) // impulses that an unsolvable step has left may balance, but are not those of rest
+		findAsleep(system, stillness->before, stillness->tolerance);
 	solveLoneContacts(system, settings.tolerance);
 	const bool inPlace = found.empty() && (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);
 	SolverReport report;
 	if (inPlace)
-		report = solveInPlace(system, method, settings);
-	if (!inPlace)
+		report = solveInPlace(system, method, settings, stillness ? &stillness->rest : nullptr);
+	else
 		system.contacts.make();
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
 		for (std::size_t i = 0; i < system.bodies.size(); i++)
 			std::memcpy(system.bodies[i].v, &freeVelocity[3 * i], sizeof system.bodies[i].v);
 		SolverSettings left = settings;
 		left.maxIterations -= report.iterations;
-		report = conclude(system, solveInParts(system, method, left), settings.tolerance, stillness ? &stillness->sleepers : nullptr);
+		report = conclude(system, solveInParts(system, method, left), settings.tolerance, stillness);
 	}
 	for (const Island& island : islands)
 		effort.resting += island.sweeps == 0;
 	if (stillness) {
 		SolverSettings left = settings; // maxIterations bounds the whole step
 		left.maxIterations -= report.iterations;
-		if (stillness->trial > 0 && report.status == Status::converged && left.maxIterations > 0) {
+		if (stillness->rest.sweeps() > 0 && report.status == Status::converged && left.maxIterations > 0) {
 			system.contacts.make();
-			prove(system, *stillness, left, effort);
+			tryRest(system, *stillness, left, effort);
 		}
 		stop(system, stillness->sleepers, effort);
 	}

@@ -11,9 +11,8 @@
 // Islands that are proven to be at rest sleep until something changes (island_sleep.cpp).
 #pragma once
 
-#include "graph/graph.hpp"
-#include "error/error.hpp"
-#include "islands/sleepers.hpp"
+#include "islands/island_part.hpp"
+#include "islands/rest.hpp"
 #include "solvers/solvers.hpp"
 
 namespace cd {
@@ -29,20 +28,6 @@ struct Effort {
 	bool stoppedMoving = false; // whether any of the stopped bodies moved before the step
 };
 
-// What a step needs to know about rest; without it nothing sleeps.
-struct Stillness {
-	const Sleepers& sleepers; // islands left out of the system
-	const std::vector<Body>& before; // the bodies before the step
-	int trial; // sweeps that slow islands may take to prove their rest in this step; 0: no trial
-	// Fingerprints of the bodies' loads in this step and the one before. Read in a trial only; if those before are not known, there is
-	// no trial.
-	const std::vector<int>&loads, *loadsBefore;
-	double tolerance; // by which rest is judged, at most that of the step
-};
-
-// A hash of the velocity that forces add to a body in a step: equal loads have equal hashes.
-int fingerprint(const double gained[3]);
-
 // Solves all contacts at once.
 SolverReport solveWhole(ContactSystem&, Solver, const SolverSettings&, Effort&);
 
@@ -55,38 +40,29 @@ class IslandSolver {
 	// Puts the islands to sleep that the last call has found asleep.
 	void putToSleep(Sleepers& sleepers, const World& world) const { sleepers.add(world, found, partition.name); }
 
-	// Whether the last system solved in place, its one large island and lone contacts, needed no sweep. It decides in which order the impulses of
-	// the next one are added to the velocities, and so its last digits.
-	bool rested = false;
-
     private:
+	enum class State : uint8_t { open, solved, unsolvable, asleep }; // unsolvable: according to its method
 	struct Island {
 		int sweeps = 0;
-		bool solved = false;
-		bool unsolvable = false; // according to its method
+		State state = State::open;
 		bool calm = false; // its bodies have passed the present test of rest
-		bool asleep = false;
 	};
 
-	void findIslands(ContactSystem&, Threads*);
-	void countUnknowns(Effort&);
+	void findIslands(ContactSystem&, Threads*, Effort&);
 	void solveLoneContacts(ContactSystem&, double tolerance);
 	bool isNearlyOneIsland(const ContactSystem&) const;
-	SolverReport solveInPlace(ContactSystem&, Solver, const SolverSettings&);
+	SolverReport solveInPlace(ContactSystem&, Solver, const SolverSettings&, Rest*);
 	bool withinItsOwn(const ContactSystem&, double error, double tolerance) const;
-	Status solveInParts(ContactSystem&, Solver, const SolverSettings&);
-	int judge(double tolerance);
-	void takePart(const ContactSystem&, bool (*wanted)(const Island&));
-	int32_t placeOf(const ContactSystem&, int32_t body);
-	void measurePart(std::vector<ResidualSum>&);
-	SolverReport conclude(ContactSystem&, Status, double tolerance, const Sleepers*);
+	SolverReport solveInParts(ContactSystem&, Solver, const SolverSettings&);
+	int markSolved(double tolerance);
+	SolverReport conclude(ContactSystem&, SolverReport, double tolerance, const Stillness*);
 
 	// island_sleep.cpp
 	template <class Condition> void excite(const Condition& moves);
 	void exciteFast(const ContactSystem&, const int32_t* places, double tolerance, double share);
-	void judgeRest(double tolerance, double share);
-	void recognise(ContactSystem&, const std::vector<Body>& before, double tolerance);
-	void prove(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
+	void findCalm(double tolerance, double share);
+	void findAsleep(ContactSystem&, const std::vector<Body>& before, double tolerance);
+	void tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 	void stop(ContactSystem&, const Sleepers& on, Effort&);
 
 	Partition partition; // of the system
@@ -95,20 +71,10 @@ class IslandSolver {
 	std::vector<ResidualSum> all; // scratch: errors of the islands, those that sleep on included
 	ResidualSum lone; // errors of all islands of one contact
 	std::vector<double> freeVelocity; // velocities without impulses
-	ContactSystem part; // some of the islands, with a body numbering of their own
-	std::vector<double> partFree;
-	std::vector<int32_t> place; // of each body: its number in `part`; -1: not in it
-	std::vector<int32_t> partBodies, partContacts, partIsland; // their numbers in the system
-	int larger = 0, largest = 0; // number of islands with more than one contact; contacts of the largest island
-	int touching = 0; // movable bodies with a contact
-	int factorizations = 0; // made by the methods for the parts
-	struct {
-		Status status = Status::converged;
-		int32_t contact = -1; // of the system
-	} unsolvable; // the last island found without a solution
+	IslandPart part; // of the system
+	std::size_t touching = 0; // movable bodies with a contact
 	std::vector<SleepingIsland> found; // asleep, sorted by name
 	std::vector<double> own; // of each body: W_nn |p|^2 summed over its own contacts [J]
-	std::vector<ResidualSum> trial; // errors of the islands that may be at rest
 };
 
 } // namespace cd

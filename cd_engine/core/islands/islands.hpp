@@ -2,4 +2,5 @@
 #pragma once
 
 #include "islands/island_solver.hpp"
+#include "islands/rest.hpp"
 #include "islands/sleepers.hpp"

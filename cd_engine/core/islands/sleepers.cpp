@@ -1,6 +1,7 @@
 #include "islands/sleepers.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <numeric>
 #include <tuple>
 
@@ -27,14 +28,15 @@ void Sleepers::wakeAll(World& world, const Cause& why)
 		last = why;
 	of.clear();
 	list.clear();
-	pushed.clear();
+	impulses.clear();
 	powerless.clear();
 	world.awake.resize(world.pairs.size());
 	std::iota(world.awake.begin(), world.awake.end(), 0);
 }
 
-void Sleepers::look(World& world)
+void Sleepers::update(World& world)
 {
+	assert(world.shapes.size() == world.bodies.size());
 	if (none() ? world.awake.size() != world.pairs.size() : of.size() != world.bodies.size())
 		wakeAll(world);
 	if (none())
@@ -45,7 +47,7 @@ void Sleepers::look(World& world)
 		const bool immobile = isGuided(now);
 		if (of[i] == awake && !immobile)
 			continue;
-		const bool same = rests(now, bodies[i]) && (now.radius > 0 || allOf(world.shapes[i]) == allOf(shapes[i]));
+		const bool same = rests(now, bodies[i]) && (!isBoundary(now) || allOf(world.shapes[i]) == allOf(shapes[i]));
 		if (of[i] >= 0) {
 			if (!same)
 				disturb(body, "a body was moved or changed, or another force acts on it", body);
@@ -56,9 +58,9 @@ void Sleepers::look(World& world)
 		bodies[i] = now;
 		shapes[i] = world.shapes[i];
 	}
-	for (const Push& push : pushed)
-		if (of[push.body] == awake)
-			disturb(push.island, "a boundary that it touches was moved or changed", push.body);
+	for (const BoundaryImpulse& on : impulses)
+		if (of[on.body] == awake)
+			disturb(on.island, "a boundary that it touches was moved or changed", on.body);
 	wakeDisturbed(world);
 }
 
@@ -75,11 +77,16 @@ bool Sleepers::wake(const ContactRows& contacts, World& world)
 
 void Sleepers::disturb(int32_t body, const char* what, int32_t with)
 {
-	if (sleeps(body) && !list[index[of[body]]].disturbed.what)
-		list[index[of[body]]].disturbed = { what, with };
+	if (sleeps(body) && !islandOf(body).disturbed.what)
+		islandOf(body).disturbed = { what, with };
 }
 
-// Wakes the islands in which something has changed, and returns whether there were any. Then lists the pairs that a step must look at: all
+SleepingIsland& Sleepers::islandOf(int32_t body)
+{
+	return *std::lower_bound(list.begin(), list.end(), of[body], [](const SleepingIsland& island, int32_t name) { return island.name < name; });
+}
+
+// Wakes the islands in which something has changed, and returns whether there were any. Then lists the pairs that a step examines: all
 // but those of two bodies that rest, of which one sleeps. Contacts that cannot push are listed also there.
 bool Sleepers::wakeDisturbed(World& world)
 {
@@ -88,12 +95,12 @@ bool Sleepers::wakeDisturbed(World& world)
 	const bool any = first != list.end();
 	if (any) {
 		last = first->disturbed;
-		for (int32_t& name : of)
-			if (name >= 0 && wakes(list[index[name]]))
-				name = awake;
-		pushed.erase(std::remove_if(pushed.begin(), pushed.end(), [&](const Push& p) { return of[p.island] < 0; }), pushed.end());
+		for (std::size_t i = 0; i < of.size(); i++)
+			if (of[i] >= 0 && wakes(islandOf(static_cast<int32_t>(i))))
+				of[i] = awake;
+		impulses.erase(
+		    std::remove_if(impulses.begin(), impulses.end(), [&](const BoundaryImpulse& on) { return of[on.island] < 0; }), impulses.end());
 		list.erase(std::remove_if(first, list.end(), wakes), list.end());
-		number();
 	}
 	if (!any && !changed)
 		return false;
@@ -110,19 +117,14 @@ bool Sleepers::wakeDisturbed(World& world)
 	return any;
 }
 
-void Sleepers::number()
-{
-	for (std::size_t k = 0; k < list.size(); k++)
-		index[list[k].name] = static_cast<int32_t>(k);
-}
-
 void Sleepers::add(const World& world, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names)
 {
+	assert(names.size() == world.bodies.size() || found.empty());
+	assert(std::is_sorted(found.begin(), found.end()));
 	if (found.empty())
 		return;
 	changed = true;
 	of.resize(names.size(), awake);
-	index.resize(names.size());
 	for (const SleepingIsland& island : found)
 		of[island.name] = island.name;
 	for (std::size_t i = 0; i < names.size(); i++)
@@ -132,14 +134,13 @@ void Sleepers::add(const World& world, const std::vector<SleepingIsland>& found,
 	shapes = world.shapes;
 	list.insert(list.end(), found.begin(), found.end());
 	std::sort(list.begin(), list.end());
-	number();
 }
 
-const std::vector<Push>& Sleepers::pushes()
+const std::vector<BoundaryImpulse>& Sleepers::boundaryImpulses()
 {
-	if (!std::is_sorted(pushed.begin(), pushed.end()))
-		std::sort(pushed.begin(), pushed.end());
-	return pushed;
+	if (!std::is_sorted(impulses.begin(), impulses.end()))
+		std::sort(impulses.begin(), impulses.end());
+	return impulses;
 }
 
 } // namespace cd

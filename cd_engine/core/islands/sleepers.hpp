@@ -3,11 +3,11 @@
 // If a step finds an island asleep (island_sleep.cpp) and writes none of its forces anew, it leaves everything in the island as it was, and
 // so would every later step. Later steps therefore leave out the island and its contacts, and add its stored part of the counts, the error
 // and the forces. This ends when any bit changes of a body of the island or of an immobile body that touches it, or when an awake body
-// comes to touch it. Then the island is looked at again. Leaving islands out does not change motion, forces or counts: sums whose
-// round-off depends on their order are made over the islands in the order of their names, whether a step looked at them or not.
+// comes to touch it. Then the island is examined again. Leaving islands out does not change motion, forces or counts: sums whose
+// round-off depends on their order are made over the islands in the order of their names, whether a step examined them or not.
 //
 // A contact along whose normal neither body can move carries nothing. Whatever happens at it concerns no island, so it belongs to none:
-// it wakes nothing, and every step looks at it.
+// it wakes nothing, and every step examines it.
 //
 // One array, the island of every body, and a copy of the bodies as they were define what sleeps. All else that is stored here follows from
 // them, or was found in the step that put an island to sleep.
@@ -37,45 +37,43 @@ struct SleepingIsland {
 };
 
 // The impulse of a contact of a sleeping island on an immobile body.
-struct Push {
-	int32_t island, row, body;
-	double impulse[3]; // [N s], [N s], angular momentum about the body's centre [N m s]
+struct BoundaryImpulse {
+	int32_t island, contact, body;
+	std::array<double, 3> impulse; // [N s], [N s], angular momentum about the body's centre [N m s]
 
-	bool operator<(const Push& o) const { return island < o.island || (island == o.island && row < o.row); }
+	bool operator<(const BoundaryImpulse& o) const { return island < o.island || (island == o.island && contact < o.contact); }
 };
 
-// To be called in a step in this order: look (or wakeAll), wake, add.
+// To be called in a step in this order: update (or wakeAll), wake, add.
 class Sleepers {
     public:
-	// After the bodies of a step are read, but before its pairs. Lists in world.awake the pairs that the step must look at.
-	void look(World&);
+	// After the bodies of a step are read, but before its pairs. Wakes what has changed, and lists in world.awake the pairs that the step
+	// examines.
+	void update(World&);
 	void wakeAll(World&, const Cause& why = { "near pairs were searched anew, since a body has moved far, come or gone", -1 });
 	// Wakes the islands that have a body in one of these contacts. Returns whether there were any.
 	bool wake(const ContactRows&, World&);
-	// Adds the islands that a step has looked at and found asleep. names: of each body, the name of its island.
+	// Adds the islands that a step has examined and found asleep. names: of each body, the name of its island.
 	void add(const World&, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names);
 
 	bool none() const { return list.empty(); }
 	bool sleeps(int32_t body) const { return !none() && of[body] >= 0; }
 	const std::vector<SleepingIsland>& islands() const { return list; } // sorted by name
 	// The sleeping island of a contact of these bodies; null: both are awake.
-	SleepingIsland* islandAt(int32_t a, int32_t b)
-	{
-		const int32_t body = sleeps(a) ? a : b;
-		return sleeps(body) ? &list[index[of[body]]] : nullptr;
-	}
-	void push(const Push& push) { pushed.push_back(push); }
-	const std::vector<Push>& pushes(); // in the order of the islands' names, then of the contacts
+	SleepingIsland* islandAt(int32_t a, int32_t b) { return sleeps(a) ? &islandOf(a) : sleeps(b) ? &islandOf(b) : nullptr; }
+	void addBoundaryImpulse(const BoundaryImpulse& of) { impulses.push_back(of); }
+	const std::vector<BoundaryImpulse>& boundaryImpulses(); // in the order of the islands' names, then of the contacts
 	// The pairs of sleeping bodies that are contacts in this step but cannot push.
 	std::vector<int32_t> powerless;
 
-	// Something about this body has changed, or about the body `with` that it touches. If it sleeps, the next look wakes its island.
+	// Something about this body has changed, or about the body `with` that it touches. If it sleeps, the next update wakes its island.
 	// Not thread-safe.
 	void disturb(int32_t body, const char* what, int32_t with);
 	void disturb(int32_t a, int32_t b)
 	{
 		for (const int32_t body : { a, b })
-			disturb(body, "the force of a contact was changed", body);
+			if (sleeps(body))
+				disturb(body, "the force of a contact was changed", body);
 	}
 	// Why islands were woken last.
 	const Cause& woken() const { return last; }
@@ -83,7 +81,7 @@ class Sleepers {
 
     private:
 	bool wakeDisturbed(World&);
-	void number();
+	SleepingIsland& islandOf(int32_t body);
 
 	static constexpr int32_t awake = -1, unchanged = -2;
 	std::vector<int32_t> of; // by body: the name of its island; `unchanged`: it is immobile, and was like this in the last step
@@ -91,8 +89,7 @@ class Sleepers {
 	std::vector<Body> bodies; // as they were when they fell asleep, or of immobile ones, in the last step
 	std::vector<Shape> shapes;
 	std::vector<SleepingIsland> list;
-	std::vector<int32_t> index; // by name: of an island in the list
-	std::vector<Push> pushed;
+	std::vector<BoundaryImpulse> impulses;
 	Cause last;
 };
 

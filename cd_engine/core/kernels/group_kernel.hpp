@@ -38,7 +38,6 @@ struct alignas(64) PairLanes {
 struct alignas(64) PairEffects {
 	static constexpr int lanes = PairLanes::lanes;
 	double nx[lanes], ny[lanes];
-	double fn[2][lanes], ft[2][lanes]; // as in Carried
 	double work[lanes]; // [J]
 };
 struct RowSettings {
@@ -70,9 +69,9 @@ struct GroupKernel {
 	// The rows of `count` pairs, which begin in the first lane; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
 	void (*assemble)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
 	    std::size_t count, const RowSettings& settings);
-	// What `count` impulses p, two a contact, do; rate: 1/dt.
-	void (*effects)(const Place* places, const Mean* means, const double* p, std::size_t count, double rate, const PairLanes* pairs,
-	    PairEffects* effects, std::size_t groups);
+	// What `count` impulses p, two a contact, do.
+	void (*effects)(const Place* places, const Mean* means, const double* p, std::size_t count, const PairLanes* pairs, PairEffects* effects,
+	    std::size_t groups);
 	// The contacts of eight pairs as a group. Returns the lanes, a bit each, where wnn would be 0.
 	unsigned (*assembleGroup)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes& pairs, Group& group,
 	    const RowSettings& settings);

@@ -43,7 +43,7 @@ struct Rows {
 	Vector nx, ny, at, bt, bias, mu, wnn, wnt, wtt, pn, pt;
 };
 
-// ContactRow::assembleBlock for arms an = bn = 0, and TimeStep::firstGuess().
+// ContactRow::assembleBlock for arms an = bn = 0, and ProblemBuilder::guess().
 INLINE Rows rowsOf(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes& p, int lane, const RowSettings& settings)
 {
 	const Vector none = {};
@@ -118,9 +118,9 @@ static unsigned assembleGroup(
 	return unknown;
 }
 
-// The formulas of TimeStep::effectOf(), for arms an = bn = 0.
-static void effects(const Place* places, const Mean* means, const double* p, std::size_t count, double rate, const PairLanes* pairs,
-    PairEffects* effects, std::size_t groups)
+// The formulas of effectOf() in account.cpp, for arms an = bn = 0.
+static void effects(const Place* places, const Mean* means, const double* p, std::size_t count, const PairLanes* pairs, PairEffects* effects,
+    std::size_t groups)
 {
 	for (std::size_t i = 0; i < groups * PairLanes::lanes; i += LANES) {
 		const PairLanes& pair = pairs[i / PairLanes::lanes];
@@ -134,15 +134,11 @@ static void effects(const Place* places, const Mean* means, const double* p, std
 			pn[l] = p[at];
 			pt[l] = p[at + 1];
 		}
-		const Vector nx = d.nx, ny = d.ny, fn = pn * rate, ft = pt * rate;
+		const Vector nx = d.nx, ny = d.ny;
 		const Contact c = { nx, ny, d.radiusA - 0.5 * d.overlap, -(d.radiusB - 0.5 * d.overlap) };
 		const Components<Vector> u = relativeVelocity<false>(c, motionOf(A), motionOf(B));
 		store(e.nx + lane, nx);
 		store(e.ny + lane, ny);
-		store(e.fn[0] + lane, fn * nx);
-		store(e.fn[1] + lane, fn * ny);
-		store(e.ft[0] + lane, -ft * ny);
-		store(e.ft[1] + lane, ft * nx);
 		store(e.work + lane, dot<Vector>({ pn, pt }, u));
 	}
 }

@@ -1,6 +1,7 @@
 #include "step/rebounds.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <iterator>
 
@@ -17,25 +18,25 @@ namespace {
 bool Rebounds::any() const
 {
 	return std::any_of(
-	    asked.begin(), asked.end(), [](const Asked& a) { return !std::isnan(a.rebound) && bias(a.plain, a.rebound) != bias(a.plain, 0); });
+	    demands.begin(), demands.end(), [](const Demand& d) { return !std::isnan(d.rebound) && bias(d.plain, d.rebound) != bias(d.plain, 0); });
 }
 
 void Rebounds::findIslands(const ContactSystem& system)
 {
 	partition.update(system);
-	accounts.resize(system.bodies.size());
+	balances.resize(system.bodies.size());
 }
 
 // Reduces the rebounds of the islands that have lost a share of theirs. Returns whether this changes any bias.
-bool Rebounds::askAgain(ContactSystem& system)
+bool Rebounds::reduce(ContactSystem& system)
 {
 	bool changed = false;
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		ContactRow& c = system.contacts[i];
-		const Account& account = accountOf(i);
-		if (account.lowered == 0 || std::isnan(asked[i].rebound))
+		const Balance& balance = balanceOf(i);
+		if (balance.lowered == 0 || std::isnan(demands[i].rebound))
 			continue;
-		const double lowered = bias(asked[i].plain, shares[account.lowered - 1] * asked[i].rebound);
+		const double lowered = bias(demands[i].plain, shares[balance.lowered - 1] * demands[i].rebound);
 		changed = changed || lowered != c.bias;
 		c.bias = lowered;
 	}
@@ -47,27 +48,28 @@ bool Rebounds::giveUp(ContactSystem& system, int32_t row)
 	findIslands(system);
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
 		if (row < 0 || static_cast<int32_t>(i) == row)
-			accountOf(i).lowered = static_cast<int>(std::size(shares));
-	return askAgain(system);
+			balanceOf(i).lowered = static_cast<int>(std::size(shares));
+	return reduce(system);
 }
 
-bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, const std::vector<double>& free, double tolerance, bool atOnce)
+bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, double dt, double tolerance, bool atOnce)
 {
+	assert(before.size() == system.bodies.size() && dt > 0 && tolerance >= 0);
 	constexpr int all = static_cast<int>(std::size(shares));
 	findIslands(system);
-	for (Account& account : accounts)
-		account.sinceBefore = account.sinceFree = account.scale = account.energy = 0;
+	for (Balance& balance : balances)
+		balance.sinceBefore = balance.sinceFree = balance.scale = balance.energy = 0;
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
 		const BodyVelocity& body = system.bodies[i];
-		Account& account = accounts[partition.name[i]];
+		Balance& balance = balances[partition.name[i]];
 		for (int k = 0; k < 3; k++) {
-			const double change = body.v[k] - free[3 * i + k];
+			const double free = before[i].v[k] + dt * before[i].inverseMass[k] * before[i].force[k], change = body.v[k] - free;
 			if (!(body.w[k] > 0) || change == 0)
 				continue;
-			account.sinceBefore += 0.5 * change * (body.v[k] + before[i].v[k]) / body.w[k];
-			account.sinceFree += 0.5 * change * (body.v[k] + free[3 * i + k]) / body.w[k];
-			account.scale += change * change / body.w[k];
-			account.energy += 0.5 * body.v[k] * body.v[k] / body.w[k];
+			balance.sinceBefore += 0.5 * change * (body.v[k] + before[i].v[k]) / body.w[k];
+			balance.sinceFree += 0.5 * change * (body.v[k] + free) / body.w[k];
+			balance.scale += change * change / body.w[k];
+			balance.energy += 0.5 * body.v[k] * body.v[k] / body.w[k];
 		}
 	}
 	// Subtracts the work of boundaries that move.
@@ -82,21 +84,21 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, con
 					body->v[k] = 0;
 		double un, ut;
 		relativeVelocity(c, a, b, un, ut);
-		Account& account = accountOf(i);
-		account.sinceBefore += c.pn * un + c.pt * ut;
-		account.sinceFree += c.pn * un + c.pt * ut;
+		Balance& balance = balanceOf(i);
+		balance.sinceBefore += c.pn * un + c.pt * ut;
+		balance.sinceFree += c.pn * un + c.pt * ut;
 	}
 	bool any = false;
 	remains = false;
-	for (Account& account : accounts) {
-		const double gain = std::min(account.sinceBefore, account.sinceFree);
-		const double allowed = std::clamp(tolerance, roundOff, mostGain) * account.scale + roundOff * account.energy;
+	for (Balance& balance : balances) {
+		const double gain = std::min(balance.sinceBefore, balance.sinceFree);
+		const double allowed = std::clamp(tolerance, roundOff, mostGain) * balance.scale + roundOff * balance.energy;
 		if (!(gain > allowed))
 			continue;
-		(account.lowered < all ? any : remains) = true;
-		account.lowered = atOnce ? all : std::min(account.lowered + 1, all);
+		(balance.lowered < all ? any : remains) = true;
+		balance.lowered = atOnce ? all : std::min(balance.lowered + 1, all);
 	}
-	return any && askAgain(system);
+	return any && reduce(system);
 }
 
 } // namespace cd

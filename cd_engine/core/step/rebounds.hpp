@@ -30,22 +30,22 @@ class Rebounds {
 	// The bias of a contact in an impact: e u_n, or the bias of its gap if this one pushes harder (plain < 0).
 	static double bias(double plain, double rebound) { return plain < 0 && plain < rebound ? plain : rebound; }
 
-	void clear()
+	// A new step, of so many contacts; 0: none rebounds.
+	void restart(std::size_t contacts)
 	{
-		asked.clear();
-		accounts.clear();
+		demands.resize(contacts);
+		balances.clear();
 	}
-	void resize(std::size_t contacts) { asked.resize(contacts); }
 	// For a contact of the system: its bias without restitution, and e u_n [m/s], or NaN if the contact has no part in an impact.
-	void set(std::size_t row, double plain, double rebound) { asked[row] = { plain, rebound }; }
+	void set(std::size_t contact, double plain, double rebound) { demands[contact] = { plain, rebound }; }
 	// Whether any contact has a part in an impact.
 	bool any() const;
 
 	// Lowers the biases in the islands whose impulses have added more energy than round-off, `tolerance` and mostGain allow. Returns whether this
-	// changed a bias. To be called again after the next solution. `before`: the bodies before the step, `free`: the velocities that the external
-	// forces alone would leave. Islands are lowered only if the energy grows both over the whole step and over the impulses alone. If only one of
-	// the two grows, the work of the forces in the step causes it, not the rebounds. atOnce: give up all rebounds of such an island.
-	bool lower(ContactSystem&, const std::vector<Body>& before, const std::vector<double>& free, double tolerance, bool atOnce);
+	// changed a bias. To be called again after the next solution. `before`: the bodies before the step of dt. Islands are lowered only if the
+	// energy grows both over the whole step and over the impulses alone. If only one of the two grows, the work of the forces in the step causes
+	// it, not the rebounds. atOnce: give up all rebounds of such an island.
+	bool lower(ContactSystem&, const std::vector<Body>& before, double dt, double tolerance, bool atOnce);
 
 	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.
 	bool energyRemains() const { return remains; }
@@ -55,11 +55,11 @@ class Rebounds {
 	bool giveUp(ContactSystem&, int32_t row);
 
     private:
-	struct Asked {
+	struct Demand { // as given to set()
 		double plain, rebound;
 	};
-	// Account of an island, stored at the body that names the island.
-	struct Account {
+	// Balance of an island, stored at the body that names the island.
+	struct Balance {
 		double sinceBefore = 0, sinceFree = 0; // work of its impulses, from the velocities before the step and from the free ones on [J]
 		double scale = 0; // sum of m |dv|^2, dv the velocity change by the impulses [J]
 		double energy = 0; // kinetic energy of its bodies after the step [J]
@@ -67,13 +67,13 @@ class Rebounds {
 	};
 
 	void findIslands(const ContactSystem&);
-	Account& accountOf(std::size_t contact) { return accounts[partition.nameAt(contact)]; }
-	bool askAgain(ContactSystem&);
+	Balance& balanceOf(std::size_t contact) { return balances[partition.nameAt(contact)]; }
+	bool reduce(ContactSystem&);
 
 	bool remains = false;
-	std::vector<Asked> asked; // of the contacts
+	std::vector<Demand> demands; // of the contacts
 	Partition partition; // of the system
-	std::vector<Account> accounts; // by body; empty: no islands found yet in this step
+	std::vector<Balance> balances; // by body; empty: no islands found yet in this step
 };
 
 } // namespace cd

@@ -1,219 +1,154 @@
-// A step from its beginning to its end: contacts, impulses, motion.
 #include "step/time_step.hpp"
 
-#include <algorithm>
+#include <cassert>
 #include <chrono>
-#include <cstring>
-#include <limits>
 
 namespace cd {
 
-void TimeStep::noteLoads(const World& world, const StepSettings& settings)
+void TimeStep::prepare(World& world, const StepView& step)
 {
-	fingerprints.clear();
-	if (!settings.notesLoads && settings.trial == 0)
-		return;
-	for (const Body& b : world.bodies) {
-		double gained[3];
-		for (int k = 0; k < 3; k++)
-			gained[k] = settings.dt * b.inverseMass[k] * b.force[k];
-		fingerprints.push_back(fingerprint(gained));
-	}
+	assert(std::all_of(world.pairs.begin(), world.pairs.end(), [&](const Pair& p) {
+		const auto count = static_cast<int32_t>(world.bodies.size());
+		return p.a >= 0 && p.a < count && p.b >= 0 && p.b < count && p.a != p.b && !isBoundary(world.bodies[p.b]) && p.mu >= 0
+		    && p.reference >= 0;
+	}));
+	assert(world.awake.size() <= world.pairs.size() && (world.awake.empty() || world.awake.back() < static_cast<int32_t>(world.pairs.size())));
+	const StepSettings& s = step.settings;
+	world.carried.resize(world.pairs.size());
+	system.memory = &memory;
+	account.begin();
+	const BodyMotion::Start start = motion.begin(world, s.dt, system, threads);
+	const bool same = finder.find(world, step, motion, start);
+	// Rows that push need a proof that there is a solution (verdict.hpp), which reads all of them.
+	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0;
+	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none());
 }
 
-// How far from its place before the step pairs of a body must be listed, so that it reaches no other within the step [m].
-inline double TimeStep::needed(const World& world, size_t i, double dt) const
+const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
 {
-	return contact_limits::quick * dt * (means[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i]));
+	prepare(world, { world, settings, system.bodies, motion, threads });
+	system.contacts.make();
+	return system;
 }
 
-// Velocities that are no solution may have any size. Their speeds are limited to four times the longest way plus two smallest radii, a step. Returns
-// whether a body has become so fast that it may reach, within the step, another body that is not listed with it.
-bool TimeStep::meanVelocities(const World& world, double dt, bool solved)
+// Solves the contacts. Returns the status of the solution with the tolerance of the goal; the report has the one that counts.
+Status TimeStep::solve(const StepView& step, const Stillness& stillness, Goal& goal, StepReport& report)
 {
-	means.resize(world.bodies.size());
-	double most = std::numeric_limits<double>::infinity();
-	if (!solved && !ways.empty())
-		most = (4 * *std::max_element(ways.begin(), ways.end()) + 2 * smallestRadius(world)) / dt;
-	struct Found {
-		double fastest = 0;
-		bool outran = false;
-	};
-	const auto mean = [&](size_t from, size_t to) {
-		Found found;
-		for (size_t i = from; i < to; i++) {
-			const Body& b = world.bodies[i];
-			const double* v = system.bodies[i].v;
-			for (int k = 0; k < 3; k++)
-				means[i].v[k] = 0.5 * (b.v[k] + v[k]);
-			means[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
-			found.fastest = std::max(found.fastest, means[i].speed);
-			found.outran = found.outran || (i < world.listed.size() && needed(world, i, dt) > world.listed[i]);
-		}
-		return found;
-	};
-	const Found all = reduceRanges<Found>(&threads, means.size(), mean, [](const Found& a, const Found& b) {
-		return Found { std::max(a.fastest, b.fastest), a.outran || b.outran };
-	});
-	fastest = all.fastest;
-	return all.outran;
-}
-
-// Ends a step that needs another solution when no iterations are left for it.
-bool TimeStep::end(StepReport& report)
-{
-	if (report.solver.status == Status::converged)
-		report.solver.status = Status::max_iterations;
-	return true;
-}
-
-// Restores the first guess. Contacts that were added later have none.
-void TimeStep::guessAgain(const World& world, const StepSettings& settings)
-{
-	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const auto [pn, pt] = i < assembled ? firstGuess(world, rowPair[i], settings) : std::array<double, 2> { 0, 0 };
-		system.contacts[i].pn = pn;
-		system.contacts[i].pt = pt;
-	}
-}
-
-// Whether the step must be solved again because its rebounds demand more than the energy allows, or make it unsolvable. last: it can be solved only
-// once more.
-bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, const StepReport& report, bool last)
-{
-	const Status status = report.solver.status;
-	if (!rebounds.any())
-		return false;
-	if (status == Status::no_solution || status == Status::indefinite)
-		return rebounds.giveUp(system, report.solver.contact);
-	// A gap correction adds energy by itself, so this test does not apply to it.
-	const bool unsolved = status == Status::max_iterations || status == Status::stagnated;
-	return settings.gapCorrection == 0 && (status == Status::converged || unsolved)
-	    && rebounds.lower(system, world.bodies, freeVelocity, settings.solver.tolerance, unsolved || last);
+	const auto start = std::chrono::steady_clock::now();
+	const SolverSettings& wanted = step.settings.solver;
+	const int previous = report.solver.iterations;
+	const bool finer = goal.tolerance < wanted.tolerance;
+	SolverSettings left = wanted;
+	left.maxIterations = goal.most - previous;
+	left.tolerance = goal.tolerance;
+	left.threads = &threads;
+	// A smaller tolerance than requested gets only as many sweeps as it may need, so that some are left to lower rebounds further.
+	if (finer)
+		left.maxIterations = std::min(left.maxIterations, 200 + 10 * goal.first);
+	report.solver = step.settings.reduce ? solveIslands(system, step.settings.solve, left, report.effort, &stillness)
+					     : solveWhole(system, step.settings.solve, left, report.effort);
+	if (previous == 0)
+		goal.first = report.solver.iterations;
+	report.solver.iterations += previous;
+	report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	// A smaller tolerance serves only to add no energy. If it is missed, the requested one suffices.
+	const Status exactly = report.solver.status;
+	if (finer && (exactly == Status::stagnated || exactly == Status::max_iterations) && report.solver.contact < 0
+	    && report.solver.error <= wanted.tolerance)
+		report.solver.status = Status::converged;
+	return exactly;
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
-bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& report)
+bool TimeStep::attempt(World& world, const StepView& step, StepReport& report)
 {
-	prepare(world, settings);
+	const SolverSettings& wanted = step.settings.solver;
+	const bool rebounds = step.settings.restitution > 0, fixed = wanted.fixedIterations > 0;
+	prepare(world, step);
 	if (sleepers.wake(system.contacts, world))
 		return false;
-	const Stillness stillness { sleepers, world.bodies, settings.trial, fingerprints, settings.loadsBefore,
-		std::min(settings.restTolerance, settings.solver.tolerance) };
-	double tolerance = settings.solver.tolerance;
-	int first = 0; // iterations of the first solution
-	int most = settings.solver.maxIterations;
-	for (;;) {
-		const auto start = std::chrono::steady_clock::now();
-		const int previous = report.solver.iterations;
-		SolverSettings left = settings.solver;
-		left.maxIterations = most - previous;
-		left.tolerance = tolerance;
-		left.threads = &threads;
-		// A smaller tolerance than requested gets only as many sweeps as it may need, so that some are left to lower rebounds further.
-		if (tolerance < settings.solver.tolerance)
-			left.maxIterations = std::min(left.maxIterations, 200 + 10 * first);
-		report.solver = settings.reduce ? solveIslands(system, settings.solve, left, report.effort, &stillness)
-						: solveWhole(system, settings.solve, left, report.effort);
-		if (previous == 0)
-			first = report.solver.iterations;
-		report.solver.iterations += previous;
-		report.solveSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		// A smaller tolerance serves only to add no energy. If it is missed, the requested one suffices.
-		const Status exactly = report.solver.status;
-		const bool less = tolerance < settings.solver.tolerance && (exactly == Status::stagnated || exactly == Status::max_iterations)
-		    && report.solver.contact < 0 && report.solver.error <= settings.solver.tolerance;
-		if (less)
-			report.solver.status = Status::converged;
-		const Status found = report.solver.status;
-		const bool outran = meanVelocities(world, settings.dt, found == Status::converged || found == Status::fixed_iterations);
-		const bool spent = settings.solver.fixedIterations == 0 && report.solver.iterations >= most;
-		const bool late = settings.solver.fixedIterations == 0 && report.solver.iterations > settings.solver.maxIterations;
-		if (settings.restitution > 0) {
-			// A contact that impulses of other contacts close waits for the next step. Its own velocity then determines its rebound.
-			if (!lowerRebounds(world, settings, report, spent)) {
-				if (less && rebounds.energyRemains())
-					report.solver.status = exactly;
-				return !late || end(report);
+	const Stillness stillness { sleepers, world.bodies, rest, std::min(step.settings.restTolerance, wanted.tolerance) };
+	for (Goal goal { wanted.tolerance, wanted.maxIterations, 0 };;) {
+		const Status exactly = solve(step, stillness, goal, report);
+		Status& status = report.solver.status;
+		const bool solved = status == Status::converged || status == Status::fixed_iterations;
+		const bool outran = motion.average(world, step.dt(), system.bodies, solved, threads);
+		const bool spent = !fixed && report.solver.iterations >= goal.most;
+		const bool last = spent && goal.most > wanted.maxIterations;
+		bool again;
+		if (rebounds) { // a contact that impulses of others close waits for the next step; its own velocity then determines its rebound
+			again = builder.lowerRebounds(step, system, report.solver, spent);
+			if (!again && exactly != status && builder.energyRemains())
+				status = exactly;
+		} else {
+			if (outran && status != Status::diverged) {
+				report.outran = motion.reaches(world, step.dt());
+				return true;
 			}
-			if (spent && most > settings.solver.maxIterations)
-				return end(report);
-			if (spent) // the rebounds that add energy must not stay
-				most += 1 + settings.solver.maxIterations / 10;
-			guessAgain(world, settings); // the judged impulses may be so large that any error is small beside them
-			tolerance = std::min(tolerance, Rebounds::mostGain);
-			freeAgain(world, settings.dt);
-			continue;
+			again = !last && finder.addClosing(step);
 		}
-		report.outran.clear();
-		if (found != Status::diverged && outran) {
-			for (size_t i = 0; i < world.bodies.size(); i++)
-				report.outran.push_back(needed(world, i, settings.dt));
+		if (!again || last) {
+			if (status == Status::converged && !fixed && report.solver.iterations > wanted.maxIterations)
+				status = Status::max_iterations;
 			return true;
 		}
-		if (spent && most > settings.solver.maxIterations)
-			return end(report);
-		if (!addViolated(world, settings))
-			return !late || end(report);
-		if (spent) // without an impulse the bodies would pass through each other
-			most += 1 + settings.solver.maxIterations / 10;
-		if (sleepers.wake(system.contacts, world))
-			return false;
-		freeAgain(world, settings.dt);
-		if (settings.solver.fixedIterations > 0) { // so many sweeps from the first guess, and no more
-			report.solver.iterations = 0;
-			guessAgain(world, settings);
+		// Rebounds that add energy must not stay, and bodies without an impulse would pass through each other: these need some more
+		// iterations.
+		if (spent)
+			goal.most += 1 + wanted.maxIterations / 10;
+		if (rebounds)
+			goal.tolerance = std::min(goal.tolerance, Rebounds::mostGain);
+		else {
+			builder.append(step, finder, system);
+			if (sleepers.wake(system.contacts, world))
+				return false;
+			if (fixed) // so many sweeps from the first guess, and no more
+				report.solver.iterations = 0;
 		}
+		if (rebounds || fixed) // impulses with rebounds may be so large that any error is small beside them
+			builder.guessAgain(step, finder, system);
+		BodyMotion::resetFree(world, step.dt(), system, threads);
 	}
 }
 
 StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 {
+	assert(settings.solve && settings.dt > 0 && settings.restitution >= 0 && settings.restitution <= 1 && settings.gapCorrection >= 0);
 	StepReport report;
-	solveIslands.rested = settings.rested;
 	threads.use(settings.threads);
-	forgotten.clear();
-	noteLoads(world, settings);
-	while (!attempt(world, settings, report)) { }
-	report.rested = solveIslands.rested;
-	if (report.solver.status == Status::diverged || !report.outran.empty()) {
-		system.contacts.forgetSource(); // `world` and `settings` may be gone when somebody reads them
-		return report; // the world has not been changed
+	finder.forgetSeparated();
+	rest.begin(world.bodies, settings.dt);
+	const StepView step { world, settings, system.bodies, motion, threads };
+	while (!attempt(world, step, report)) { }
+	if (report.solver.status != Status::diverged && report.outran.empty()) { // else nothing is changed
+		if (const int32_t i = report.solver.contact; i >= 0)
+			report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
+		report.contacts = static_cast<int>(finder.pairs().size());
+		report.maxPenetration = finder.deepest();
+		report.dissipated += report.effort.stopped;
+		account.clear(sleepers);
+		if (settings.reduce)
+			solveIslands.putToSleep(sleepers, world);
+		if (!sleepers.none() || !system.contacts.solvedBeside())
+			system.contacts.make();
+		account.book(world, step, finder, builder, system.contacts, sleepers, report);
+		rest.plan(report.effort);
+		report.idle = !motion.finish(world, settings.dt, system.bodies, threads) && finder.pairs().empty();
 	}
-	report.dissipated += report.effort.stopped;
-	if (const int32_t i = report.solver.contact; i >= 0)
-		report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
-	report.contacts = static_cast<int>(rowPair.size());
-	report.maxPenetration = deepest;
-	finishContacts(world, settings, report);
-	finishSleepers(report);
-	system.contacts.forgetSource();
-	report.idle = !finishBodies(world, settings.dt) && rowPair.empty();
+	system.contacts.forgetSource(); // `step` may be gone when somebody reads them
 	return report;
 }
 
-// Moves the bodies. Returns whether any body moves.
-bool TimeStep::finishBodies(World& world, double h)
+void TimeStep::locateBack(const World& world, double dt)
 {
-	const auto move = [&](size_t from, size_t to) {
-		bool moves = false;
-		for (size_t i = from; i < to; i++) {
-			Body& b = world.bodies[i];
-			const double* v = system.bodies[i].v;
-			b.x += 0.5 * h * (b.v[0] + v[0]);
-			b.y += 0.5 * h * (b.v[1] + v[1]);
-			b.turn = 0.5 * h * (b.v[2] + v[2]);
-			std::memcpy(b.v, v, sizeof b.v);
-			moves = moves || v[0] != 0 || v[1] != 0 || v[2] != 0;
-		}
-		return moves;
-	};
-	const bool moves = reduceRanges<bool>(&threads, world.bodies.size(), move, [](bool a, bool b) { return a || b; });
-	for (const Shift& shift : shifts) {
-		world.bodies[shift.body].x += shift.x;
-		world.bodies[shift.body].y += shift.y;
-	}
-	return moves;
+	motion.placeBack(world, dt);
+	finder.locateAll(world, motion.places());
+}
+
+Touch TimeStep::touchOf(const World& world, std::size_t pair) const
+{
+	const Carried& carried = world.carried[pair];
+	return touchAt(carried.nx, carried.ny, -finder.overlap(pair), motion.places()[world.pairs[pair].b]);
 }
 
 } // namespace cd

@@ -1,24 +1,28 @@
-// How pairs are given to the kernels (group_kernel.hpp), a part of TimeStep.
+// How pairs are given to the kernels (group_kernel.hpp).
 #pragma once
 
 #include "kernels/kernels.hpp"
-#include "step/time_step.hpp"
-
-#include <algorithm>
+#include "step/step_view.hpp"
 
 namespace cd {
 
-// Copies the pairs that which(0) .. which(count - 1) tell into the lanes. Repeats the last one in lanes that are left. rows: also what rows need;
+// Pairs that the kernels are given at once. A vector that has been written lane by lane can be read only a while later.
+constexpr std::size_t batch = 64, groupsInBatch = batch / PairLanes::lanes;
+
+// Copies the pairs which(0) .. which(count - 1) into the lanes. Repeats the last one in lanes that are left. rows: also what rows need;
 // inverseRadius: and what groups need.
 template <bool rows, class Which>
-inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLanes* lanes, const Which& which, const double* inverseRadius) const
+inline std::size_t load(const StepView& step, std::size_t count, PairLanes* lanes, const Which& which, const double* inverseRadius = nullptr)
 {
 	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
+	const Pair* const pairs = step.world.pairs.data();
+	const Place* const places = step.motion.places().data();
+	const BodyVelocity* const bodies = step.bodies.data();
 	for (std::size_t g = 0; g < groups; g++) {
 		PairLanes& p = lanes[g];
 		for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {
 			const int32_t index = which(std::min(g * PairLanes::lanes + lane, count - 1));
-			const Pair& pair = world.pairs[index];
+			const Pair& pair = pairs[index];
 			p.a[lane] = pair.a;
 			p.b[lane] = pair.b;
 			p.reference[lane] = pair.reference;
@@ -33,8 +37,8 @@ inline std::size_t TimeStep::load(const World& world, std::size_t count, PairLan
 				__builtin_prefetch(&inverseRadius[pair.a]);
 				__builtin_prefetch(&inverseRadius[pair.b]);
 			}
-			__builtin_prefetch(&system.bodies[pair.a]);
-			__builtin_prefetch(&system.bodies[pair.b]);
+			__builtin_prefetch(&bodies[pair.a]);
+			__builtin_prefetch(&bodies[pair.b]);
 		}
 	}
 	// A loop of its own, so that the radii are already on their way from memory when they are read.

@@ -1,0 +1,235 @@
+#include "step/account.hpp"
+#include "step/pair_lanes.hpp"
+
+#include <cassert>
+#include <utility>
+
+namespace cd {
+namespace {
+
+	// A contact whose tangential impulse is within this fraction of the cone slides; the solvers put sliding impulses on the cone
+	// to round-off, and a sticking one lies this close by chance with negligible probability.
+	constexpr double onCone = 1e-9;
+
+	// How many contacts ahead data are prefetched: what pairs carry, and the pairs of the batch after the next.
+	constexpr std::size_t carriedAhead = 48, pairsAhead = 128;
+
+	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - onCone); }
+
+	struct Totals {
+		int loaded = 0, sliding = 0;
+		double dissipated = 0; // [J]
+	};
+
+	// Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
+	void release(const Pair& pair, Carried& was, Sleepers& sleepers)
+	{
+		if (!was.any())
+			return;
+		sleepers.disturb(pair.a, pair.b);
+		was = {};
+	}
+
+	// Whether a contact already has the right force. It is not written again, because it would differ in the last digit when read.
+	inline bool keeps(double nx, double ny, double pn, double pt, Carried& was, double dt)
+	{
+		if (was.nx != nx || was.ny != ny || !was.any() || was.impulse(dt) != std::array<double, 2> { pn, pt })
+			return false;
+		if (std::signbit(was.nx) != std::signbit(nx) || std::signbit(was.ny) != std::signbit(ny)) { // springs may leave -0
+			was.nx = nx;
+			was.ny = ny;
+		}
+		return true;
+	}
+
+	// What the kernel finds for contacts of disks, for any contact.
+	void effectOf(const ContactRow& c, const std::vector<Mean>& means, double pn, double pt, PairEffects& e, std::size_t lane)
+	{
+		// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
+		const Components<double> u = relativeVelocity<false>(c, motionOf(means[c.a].v), motionOf(means[c.b].v));
+		e.nx[lane] = c.nx;
+		e.ny[lane] = c.ny;
+		e.work[lane] = pn * u.n + pt * u.t;
+	}
+
+	void add(Account::Impulse& to, const Account::Impulse& of)
+	{
+		for (int k = 0; k < 3; k++)
+			to[k] += of[k];
+	}
+
+	// Calls give(body, impulse) for both bodies of a contact. n: its normal.
+	template <class Give>
+	inline void giveBoth(const Pair& pair, const std::vector<Place>& places, double overlap, Vector n, double pn, double pt, const Give& give)
+	{
+		const Place &a = places[pair.a], &b = places[pair.b];
+		const double x = n.x * pn - n.y * pt, y = n.y * pn + n.x * pt;
+		// A disk takes the impulse on its rim, so only the tangential part turns it. The arm of a boundary starts at its centre.
+		const double arm = b.radius - 0.5 * overlap;
+		const double turn = isBoundary(a) ? (b.x - arm * n.x - a.x) * y - (b.y - arm * n.y - a.y) * x : (a.radius - 0.5 * overlap) * pt;
+		give(pair.a, Account::Impulse { -x, -y, -turn });
+		give(pair.b, Account::Impulse { x, y, -arm * pt });
+	}
+
+} // namespace
+
+void Account::begin()
+{
+	if (!std::exchange(known, true))
+		sums.clear();
+}
+
+void Account::clear(const Sleepers& sleepers)
+{
+	if (sleepers.none())
+		return sums.clear();
+	for (std::size_t i = 0; i < sums.size(); i++)
+		if (!sleepers.sleeps(static_cast<int32_t>(i)))
+			sums[i] = { 0, 0, 0 };
+}
+
+void Account::book(World& world, const StepView& step, const ContactFinder& finder, const ProblemBuilder& builder, const ContactRows& contacts,
+    Sleepers& sleepers, StepReport& report)
+{
+	spared = contacts.postponed();
+	assert(contacts.size() == finder.pairs().size() && (!spared || (sleepers.none() && contacts.solvedBeside())));
+	const std::vector<Mean>& means = step.motion.means();
+	const ContactRow* const rows = spared ? nullptr : contacts.all().data();
+	const double* const solution = contacts.solution();
+	const auto bookRange = [&](std::size_t from, std::size_t to) {
+		// Copies, because to the compiler a store to what a pair carries might change what is captured.
+		const double dt = step.dt(), rate = 1 / dt;
+		const int32_t* const pairOf = finder.pairs().data();
+		const Pair* const pairs = world.pairs.data();
+		Carried* const carried = world.carried.data();
+		const bool anyAsleep = !sleepers.none();
+		Totals sum { 0, 0, from > 0 ? 0 : report.dissipated };
+		const auto later = [pairOf, last = contacts.size() - 1](std::size_t i) { return pairOf[std::min(i, last)]; };
+		for (; from < to; from += batch) {
+			const std::size_t count = std::min(batch, to - from);
+			double impulses[2 * batch]; // two a contact
+			for (std::size_t k = 0; rows && k < count; k++) {
+				impulses[2 * k] = rows[from + k].pn;
+				impulses[2 * k + 1] = rows[from + k].pt;
+			}
+			const double* const p = rows ? impulses : solution + 2 * from;
+			PairLanes lanes[groupsInBatch];
+			PairEffects effects[groupsInBatch];
+			const std::size_t groups = load<false>(step, count, lanes, [&](std::size_t k) { return pairOf[from + k]; });
+			groupKernel().effects(step.motion.places().data(), means.data(), p, count, lanes, effects, groups);
+			for (std::size_t k = 0; k < count; k++) {
+				const std::size_t i = from + k, l = k % PairLanes::lanes;
+				__builtin_prefetch(&carried[later(i + carriedAhead)], 1);
+				__builtin_prefetch(&pairs[later(i + pairsAhead)]);
+				const Pair& pair = pairs[pairOf[i]];
+				Carried& was = carried[pairOf[i]];
+				PairEffects& e = effects[k / PairLanes::lanes];
+				const double pn = p[2 * k], pt = p[2 * k + 1];
+				if (pn <= 0) {
+					release(pair, was, sleepers);
+					continue;
+				}
+				if (builder.isSpecial(i))
+					effectOf(rows ? rows[i] : builder.specialRow(i), means, pn, pt, e, l);
+				const double nx = e.nx[l], ny = e.ny[l];
+				if (!keeps(nx, ny, pn, pt, was, dt)) {
+					const double fn = pn * rate, ft = pt * rate;
+					was.nx = nx;
+					was.ny = ny;
+					was.fn[0] = fn * nx;
+					was.fn[1] = fn * ny;
+					was.ft[0] = -ft * ny;
+					was.ft[1] = ft * nx;
+					was.since = was.any() ? was.since : step.settings.iteration;
+					if (anyAsleep)
+						sleepers.disturb(pair.a, pair.b);
+				}
+				const bool asleep = anyAsleep && sleepers.islandAt(pair.a, pair.b); // then it counts with its island
+				sum.loaded += !asleep;
+				sum.sliding += !asleep && slides(pair.mu, pn, pt);
+				sum.dissipated -= e.work[l];
+			}
+		}
+		return sum;
+	};
+	// Only one thread may report what it wakes.
+	const Totals all = reduceRanges<Totals>(
+	    sleepers.none() ? &step.threads : nullptr, contacts.size(), bookRange, [](const Totals& a, const Totals& b) -> Totals {
+		    return { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated };
+	    });
+	if (contacts.size() < world.awake.size())
+		for (const int32_t i : world.awake)
+			if (!finder.isContact(i))
+				release(world.pairs[i], world.carried[i], sleepers);
+	report.loadedContacts += all.loaded;
+	report.slidingContacts += all.sliding;
+	report.dissipated = all.dissipated;
+	known = !sleepers.none();
+	if (known)
+		bookSleeping(world, step, finder, contacts, sleepers, report);
+}
+
+// Sums the impulses, and adds what sleeping islands contribute: those that this step has examined and the others.
+void Account::bookSleeping(
+    const World& world, const StepView& step, const ContactFinder& finder, const ContactRows& contacts, Sleepers& sleepers, StepReport& report)
+{
+	sums.resize(world.bodies.size());
+	sleepers.powerless.clear();
+	for (std::size_t i = 0; i < contacts.size(); i++) {
+		const ContactRow& c = contacts[i];
+		const int32_t pair = finder.pairs()[i];
+		SleepingIsland* const asleep = sleepers.islandAt(c.a, c.b);
+		if (asleep && !(c.wnn > 0)) {
+			sleepers.powerless.push_back(pair);
+			continue;
+		}
+		if (asleep) {
+			report.contacts--;
+			asleep->contacts++;
+			asleep->deepest = std::max(asleep->deepest, -finder.gap(world, pair));
+			if (i >= finder.foundFirst()) // a contact that was added later is none in the next step
+				sleepers.disturb(asleep->name, "a contact came late", c.a);
+			asleep->loaded += c.pn > 0;
+			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
+		}
+		if (asleep || c.pn > 0)
+			giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt,
+			    [&](int32_t body, const Impulse& impulse) {
+				    if (!asleep || sleepers.sleeps(body))
+					    add(sums[body], impulse);
+				    else
+					    sleepers.addBoundaryImpulse({ asleep->name, static_cast<int32_t>(i), body, impulse });
+			    });
+	}
+	for (const SleepingIsland& island : sleepers.islands()) {
+		report.contacts += island.contacts;
+		report.loadedContacts += island.loaded;
+		report.slidingContacts += island.sliding;
+		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
+	}
+	for (const BoundaryImpulse& of : sleepers.boundaryImpulses())
+		add(sums[of.body], of.impulse);
+}
+
+const std::vector<Account::Impulse>& Account::impulses(
+    const World& world, const ContactFinder& finder, const BodyMotion& motion, const ContactRows& contacts)
+{
+	sums.resize(world.bodies.size());
+	if (std::exchange(known, true))
+		return sums;
+	std::fill(sums.begin(), sums.end(), Impulse {});
+	const ContactRow* const rows = spared ? nullptr : contacts.all().data();
+	const double* const solution = contacts.solution();
+	// In the order of the contacts, which decides the last digits.
+	for (std::size_t i = 0; i < finder.pairs().size(); i++) {
+		const double pn = rows ? rows[i].pn : solution[2 * i], pt = rows ? rows[i].pt : solution[2 * i + 1];
+		const int32_t pair = finder.pairs()[i];
+		const Carried& carried = world.carried[pair]; // it has the normal of the step
+		if (pn > 0)
+			giveBoth(world.pairs[pair], motion.places(), finder.overlap(pair), { carried.nx, carried.ny }, pn, pt,
+			    [&](int32_t body, const Impulse& impulse) { add(sums[body], impulse); });
+	}
+	return sums;
+}
+
+} // namespace cd

@@ -1,0 +1,68 @@
+// Which pairs are contacts in a step.
+//
+// A pair is a contact if its bodies may close its gap at their present velocities. This depends only on its gap and on its two bodies' velocities, so
+// a fast body makes no contacts elsewhere. With restitution only those are that are closed, or that these velocities close. Pairs that are left out
+// but whose gap the solution closes join later, and the step is solved again.
+#pragma once
+
+#include "step/step_view.hpp"
+
+#include <vector>
+
+namespace cd {
+
+class ContactFinder {
+    public:
+	// Finds the contacts. Stops disks whose centre has come through a face. Where the surfaces of a pair are apart, its reference overlap ends.
+	// Returns whether the contacts are those of the last step.
+	bool find(World&, const StepView&, BodyMotion&, const BodyMotion::Start&);
+	// If the solution lets a pair that was left out cross its gap, adds it and all others whose gap the bodies are fast enough to close, since an
+	// impact may spread from body to body. Returns whether there were such pairs.
+	bool addClosing(const StepView&);
+	// Finds the overlaps at these places, up to round-off those of an earlier step.
+	void locateAll(const World&, const std::vector<Place>&);
+	void forgetSeparated() { apart.clear(); }
+
+	const std::vector<int32_t>& pairs() const { return pairOf; } // the pair of each contact
+	std::size_t foundFirst() const { return early; } // contacts before any has been added
+	bool isContact(int32_t pair) const { return contact[pair]; }
+	double overlap(std::size_t pair) const { return overlaps[pair]; } // the geometric one; negative: apart [m]
+	double gap(const World& world, std::size_t pair) const { return world.pairs[pair].reference - overlaps[pair]; } // [m]
+	void prefetch(std::size_t pair) const { __builtin_prefetch(&overlaps[pair]); }
+	double deepest() const { return largestOverlap; } // of the contacts, beyond the reference one [m]
+	const std::vector<int32_t>& separated() const { return apart; } // pairs whose reference overlap has ended
+
+    private:
+	// What a search has found in one part of the pairs.
+	struct Found {
+		int32_t* first = nullptr; // its contacts
+		std::size_t contacts = 0;
+		bool through = false; // a disk must be taken back to a face
+		bool same = true; // the contacts are those of the last search
+		bool apart = false; // a reference overlap has ended
+		double deepest = 0, narrowest = endless; // largest overlap beyond the reference, smallest gap left out [m]
+	};
+	struct Examined {
+		double overlap, gap; // [m]
+		bool contact, through;
+	};
+
+	Found searchRange(const StepView&, std::size_t from, std::size_t to);
+	Found search(const StepView&);
+	Examined examine(const StepView&, const Pair&, double beyond, double overlap, double gap) const;
+	bool fastEnough(const StepView&, std::size_t pair) const;
+	bool crosses(const StepView&, std::size_t pair) const;
+
+	std::vector<int32_t> pairOf;
+	std::vector<char> contact; // of each pair; 1: it is one
+	std::vector<double> overlaps; // of the pairs examined [m]
+	HiddenCorners corners;
+	std::size_t early = 0;
+	double largestOverlap = 0;
+	double narrowest = 0; // smallest gap of a pair that was left out [m]
+	std::vector<int32_t> apart;
+	long listing = 0; // World::listing of the last step
+	bool added = false; // the last step has added contacts
+};
+
+} // namespace cd

@@ -1,0 +1,62 @@
+// Where the bodies are in a step, and how far they move in it.
+#pragma once
+
+#include "base/base.hpp"
+#include "problem/problem.hpp"
+#include "scene/scene.hpp"
+
+namespace cd {
+
+// The smallest radius of the disks [m]; infinite if there is no disk.
+double smallestRadius(const World&);
+
+class BodyMotion {
+    public:
+	struct Start {
+		bool turns = false; // a boundary turns
+		bool sameMasses = true; // the inverse masses are those of the last step
+		bool guides = false; // there is a disk that no force moves
+	};
+	// Sets the free velocities of the system's bodies, which the external forces alone would leave, and finds their places at the
+	// mid-configuration and their ways.
+	Start begin(const World&, double dt, ContactSystem&, Threads&);
+	// Sets the free velocities again, after a solution has replaced them.
+	static void resetFree(const World&, double dt, ContactSystem&, Threads&);
+
+	// Finds the means of the velocities before the step and those that a solution has left. Those of an unsolved step may have any size: their
+	// speeds are limited to four times the longest way plus two smallest radii, a step. Returns whether a body has become so fast that it may
+	// reach, within the step, another body that is not listed with it.
+	bool average(const World&, double dt, const std::vector<BodyVelocity>&, bool solved, Threads&);
+	// How far from its place before the step pairs of each body must be listed, so that it reaches no other within the step [m].
+	std::vector<double> reaches(const World&, double dt) const;
+
+	// Takes a disk back by (x, y) [m], at the mid-configuration and for good.
+	void shift(int32_t disk, double x, double y);
+	std::size_t shifted() const { return shifts.size(); }
+
+	// Moves the bodies to the end of the step. Returns whether any body moves.
+	bool finish(World&, double dt, const std::vector<BodyVelocity>&, Threads&) const;
+	// Finds the places of the last step of dt anew, from the bodies after it.
+	void placeBack(const World&, double dt);
+
+	const std::vector<Place>& places() const { return placeOf; } // of the bodies at the mid-configuration
+	const std::vector<Mean>& means() const { return meanOf; } // of the bodies
+	// How far two bodies together may move in the step without impulses; if one turns, its farthest point [m].
+	double ways(const Pair& pair) const { return way[pair.a] + way[pair.b]; }
+	double fastest() const { return largestSpeed; } // speed of a body after the step [m/s]
+
+    private:
+	double reach(const World&, std::size_t body, double dt) const;
+
+	struct Shift {
+		int32_t disk;
+		double x, y; // [m]
+	};
+	std::vector<Place> placeOf;
+	std::vector<Mean> meanOf;
+	std::vector<double> way;
+	std::vector<Shift> shifts; // of disks that were stopped at a face
+	double largestSpeed = 0;
+};
+
+} // namespace cd

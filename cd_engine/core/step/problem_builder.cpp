@@ -1,0 +1,234 @@
+#include "step/problem_builder.hpp"
+#include "step/pair_lanes.hpp"
+
+#include <cassert>
+
+namespace cd {
+namespace {
+
+	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off and stay
+
+	// Factor on mu p_n up to which the tangential part of a first guess is in the cone: what is beyond only by the round-off of dt times force
+	// and back must not be cut, or it would be written anew step by step.
+	constexpr double onCone = 1 + 1e-9;
+
+	RowSettings rowSettings(const StepSettings& s)
+	{
+		return { s.dt, s.gapCorrection, s.allowedOverlap, -std::max(pushedOut, s.allowedOverlap), onCone };
+	}
+
+} // namespace
+
+// The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the
+// tolerance becomes the step's solution.
+std::array<double, 2> ProblemBuilder::guess(const StepView& step, std::size_t pair) const
+{
+	if (!step.settings.warmStart)
+		return { 0, 0 };
+	const auto [pn, pt] = step.world.carried[pair].impulse(step.dt());
+	return { pn, cutGuess<double>({ pn, pt }, step.world.pairs[pair].mu, onCone) };
+}
+
+// The row of any pair. turned: the change of its gap by the rotation of its boundary.
+ContactRow ProblemBuilder::makeRow(const StepView& step, const ContactFinder& finder, std::size_t index, double& turned) const
+{
+	const Pair& pair = step.world.pairs[index];
+	const Touch touch = step.locate(pair);
+	const double gap = finder.gap(step.world, index);
+	const Place& place = step.place(pair.a);
+	// The spin before the step: a torque that the contacts balance does not turn the box.
+	turned = step.turning(pair, touch, gap, step.world.bodies[pair.a].v[2]);
+	const double radius = step.smallerRadius(pair), allowed = step.settings.allowedOverlap * radius;
+	const bool pushes = gap < -std::max(pushedOut, step.settings.allowedOverlap) * radius;
+	const double bias = ((gap > 0 ? gap : pushes ? step.settings.gapCorrection * (gap + allowed) : 0) + turned) / step.dt();
+	// Arms of disks: from the centre along the normal.
+	const double armA = place.radius - 0.5 * touch.overlap, armB = step.place(pair.b).radius - 0.5 * touch.overlap;
+	const auto [pn, pt] = guess(step, index);
+	ContactRow c { pair.a, pair.b, touch.nx, touch.ny, 0, armA, 0, -armB, bias, pair.mu, 0, 0, 0, pn, pt };
+	if (isBoundary(place)) {
+		const double ax = touch.cx - place.x, ay = touch.cy - place.y;
+		c.an = ax * touch.ny - ay * touch.nx;
+		c.at = ax * touch.nx + ay * touch.ny;
+	}
+	c.assembleBlock(step.bodies[c.a], step.bodies[c.b]);
+	if (!(c.wnn > 0))
+		c.pn = c.pt = 0; // two immobile bodies: forces that springs left between them have no meaning here
+	return c;
+}
+
+void ProblemBuilder::demandRebound(const StepView& step, const ContactFinder& finder, std::size_t contact, ContactRow& c, double turned)
+{
+	const Body &a = step.world.bodies[c.a], &b = step.world.bodies[c.b];
+	const double gap = finder.gap(step.world, finder.pairs()[contact]);
+	const double un = relativeVelocity<false>(c, motionOf(a.v), motionOf(b.v)).n;
+	const bool hit = un < 0 && gap + turned + step.dt() * un <= 0, parts = gap <= 0 && un > 0;
+	const double rebound = hit || parts ? step.settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
+	rebounds.set(contact, c.bias, rebound);
+	if (hit || parts)
+		c.bias = Rebounds::bias(c.bias, rebound);
+}
+
+// Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.
+void ProblemBuilder::fillRows(const StepView& step, const ContactFinder& finder, ContactRow* rows, std::size_t from, std::size_t to)
+{
+	const std::vector<int32_t>& pairOf = finder.pairs();
+	for (; from < to; from += batch) {
+		const std::size_t count = std::min(batch, to - from);
+		PairLanes pairs[groupsInBatch];
+		load<true>(step, count, pairs, [&](std::size_t k) { return pairOf[from + k]; });
+		groupKernel().assemble(step.motion.places().data(), step.bodies.data(), step.world.carried.data(), pairs, rows + from, count,
+		    rowSettings(step.settings));
+		for (std::size_t i = from; i < from + count; i++) {
+			ContactRow& c = rows[i];
+			double turned = 0;
+			specialOf[i] = c.wnn > 0 ? -1 : 0;
+			if (isSpecial(i))
+				c = makeRow(step, finder, pairOf[i], turned);
+			if (!step.settings.warmStart)
+				c.pn = c.pt = 0;
+			if (step.settings.restitution > 0)
+				demandRebound(step, finder, i, c, turned);
+		}
+	}
+}
+
+void ProblemBuilder::fillAll(ContactRow* rows, std::size_t count)
+{
+	forRanges(&step->threads, count, [&](std::size_t from, std::size_t to) { fillRows(*step, *finder, rows, from, to); });
+}
+
+void ProblemBuilder::build(const StepView& now, const ContactFinder& found, ContactSystem& system, bool same, bool postpones)
+{
+	assert(system.bodies.size() == now.world.bodies.size() && now.world.carried.size() == now.world.pairs.size());
+	const std::size_t count = found.pairs().size();
+	step = &now;
+	finder = &found;
+	system.contactSet += !same;
+	specialOf.resize(count);
+	rebounds.restart(now.settings.restitution > 0 ? count : 0);
+	if (same && postpones && makeSpecials())
+		return system.contacts.postpone(*this, count);
+	system.contacts.forgetSource();
+	system.contacts.resize(count);
+	fillAll(system.contacts.all().data(), count);
+	numbered = false;
+}
+
+void ProblemBuilder::append(const StepView& now, const ContactFinder& found, ContactSystem& system)
+{
+	assert(now.settings.restitution == 0);
+	system.contacts.make();
+	system.contactSet++;
+	const std::size_t before = system.contacts.size(), count = found.pairs().size();
+	system.contacts.resize(count);
+	specialOf.resize(count);
+	fillRows(now, found, system.contacts.all().data(), before, count);
+	numbered = false;
+	for (std::size_t i = before; i < count; i++) {
+		ContactRow& c = system.contacts[i];
+		double un, ut;
+		relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
+		c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.wnn) : 0;
+		c.pt = 0;
+	}
+}
+
+void ProblemBuilder::guessAgain(const StepView& now, const ContactFinder& found, ContactSystem& system) const
+{
+	for (std::size_t i = 0; i < system.contacts.size(); i++) {
+		const auto [pn, pt] = i < found.foundFirst() ? guess(now, found.pairs()[i]) : std::array<double, 2> { 0, 0 };
+		system.contacts[i].pn = pn;
+		system.contacts[i].pt = pt;
+	}
+}
+
+bool ProblemBuilder::lowerRebounds(const StepView& now, ContactSystem& system, const SolverReport& report, bool last)
+{
+	if (!rebounds.any())
+		return false;
+	if (report.status == Status::no_solution || report.status == Status::indefinite)
+		return rebounds.giveUp(system, report.contact);
+	// A gap correction adds energy by itself, so this test does not apply to it.
+	const bool unsolved = report.status == Status::max_iterations || report.status == Status::stagnated;
+	return now.settings.gapCorrection == 0 && (report.status == Status::converged || unsolved)
+	    && rebounds.lower(system, now.world.bodies, now.dt(), now.settings.solver.tolerance, unsolved || last);
+}
+
+// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether none of them has a negative bias and all
+// can be solved, as is so of all others.
+bool ProblemBuilder::makeSpecials()
+{
+	if (!numbered) {
+		specials.clear();
+		for (std::size_t i = 0; i < specialOf.size(); i++)
+			if (isSpecial(i)) {
+				specialOf[i] = static_cast<int32_t>(specials.size());
+				specials.push_back(static_cast<int32_t>(i));
+			}
+		numbered = true;
+	}
+	const World& world = step->world;
+	const auto pairAt = [&](std::size_t k) { return finder->pairs()[specials[k]]; };
+	specialRows.resize(specials.size());
+	for (std::size_t k = 0; k < specials.size(); k++) {
+		// They are far from each other in memory: first the pairs are prefetched, then their bodies.
+		if (k + 8 < specials.size()) {
+			__builtin_prefetch(&world.pairs[pairAt(k + 8)]);
+			__builtin_prefetch(&world.carried[pairAt(k + 8)]);
+			finder->prefetch(pairAt(k + 8));
+		}
+		if (k + 4 < specials.size()) {
+			const int32_t disk = world.pairs[pairAt(k + 4)].b;
+			__builtin_prefetch(&step->place(disk));
+			__builtin_prefetch(&step->bodies[disk]);
+		}
+		double turned;
+		specialRows[k] = makeRow(*step, *finder, pairAt(k), turned);
+		if (!(specialRows[k].wnn > 0) || !(specialRows[k].bias >= 0))
+			return false;
+	}
+	return true;
+}
+
+void ProblemBuilder::makeRows(std::vector<ContactRow>& all)
+{
+	fillAll(all.data(), all.size());
+	for (std::size_t k = 0; k < specials.size(); k++) {
+		all[specials[k]] = specialRows[k]; // made before the solution, which may have turned a box
+		specialOf[specials[k]] = static_cast<int32_t>(k);
+	}
+}
+
+ContactRow ProblemBuilder::row(int32_t contact) const
+{
+	if (isSpecial(contact))
+		return specialRows[specialOf[contact]];
+	double turned;
+	return makeRow(*step, *finder, finder->pairs()[contact], turned);
+}
+
+void ProblemBuilder::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group* groups, uint8_t* left) const
+{
+	const World& world = step->world;
+	PairLanes pairs[groupsInBatch];
+	const RowSettings settings = rowSettings(step->settings);
+	for (std::size_t from = 0; from < count; from += groupsInBatch, contacts += batch) {
+		const std::size_t here = std::min(groupsInBatch, count - from);
+		const auto which = [&](std::size_t k) { return finder->pairs()[std::max(contacts[k], 0)]; };
+		if (from + groupsInBatch < count) // the next ones: no processor predicts the addresses in the order of the groups
+			for (std::size_t k = batch; k < 2 * batch && k < (count - from) * PairLanes::lanes; k++) {
+				__builtin_prefetch(&world.pairs[which(k)]);
+				__builtin_prefetch(&world.carried[which(k)]);
+			}
+		load<true>(*step, here * PairLanes::lanes, pairs, which, inverseRadius);
+		for (std::size_t k = 0; k < here; k++) {
+			unsigned unknown = groupKernel().assembleGroup(
+			    step->motion.places().data(), step->bodies.data(), world.carried.data(), pairs[k], groups[from + k], settings);
+			for (std::size_t lane = 0; lane < PairLanes::lanes; lane++)
+				unknown |= static_cast<unsigned>(contacts[k * PairLanes::lanes + lane] < 0) << lane;
+			left[from + k] = static_cast<uint8_t>(unknown);
+		}
+	}
+}
+
+} // namespace cd

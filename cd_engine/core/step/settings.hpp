@@ -1,0 +1,42 @@
+// What a step is given, and what it reports.
+#pragma once
+
+#include "islands/islands.hpp"
+#include "scene/scene.hpp"
+
+#include <array>
+#include <limits>
+
+namespace cd {
+
+struct StepSettings {
+	double dt = 0; // [s]
+	double restitution = 0; // Newton's e, normal direction
+	double gapCorrection = 0; // share of an overlap, beyond the reference and the allowed one, that the step pushes out
+	double allowedOverlap = 0; // that it leaves, as a share of the smaller disk's radius
+	int threads = 1; // threads that share the work of a large scene; the bits do not depend on their number
+	bool warmStart = true; // the first guess are the forces that contacts have carried; else nothing
+	long iteration = 0; // number of the step, recorded where a contact becomes loaded
+	bool reduce = true; // solve islands of contacts separately (island_solver.hpp)
+	Solver solve = nullptr;
+	SolverSettings solver;
+	// Tolerance of rest, if it is smaller than that of the step. The same in all steps, so that it does not matter in which of them an island is
+	// examined.
+	double restTolerance = std::numeric_limits<double>::infinity();
+};
+
+struct StepReport {
+	SolverReport solver;
+	Effort effort;
+	std::array<int32_t, 2> unsolvable { -1, -1 }; // bodies of the contact that speaks most against a solution
+	int contacts = 0; // contacts that the solver was given
+	int slidingContacts = 0; // loaded contacts with mu > 0 and |p_t| at mu p_n
+	int loadedContacts = 0;
+	double maxPenetration = 0; // [m], beyond the reference overlap, at the mid-configuration
+	double dissipated = 0; // [J] in this step
+	double solveSeconds = 0; // spent in the solver
+	std::vector<double> outran; // of each body: how far from its place before the step pairs must be listed [m]; empty: the list was long enough
+	bool idle = false; // nothing moves and all contacts sleep: under the same forces the next step changes nothing either
+};
+
+} // namespace cd
