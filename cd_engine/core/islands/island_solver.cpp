@@ -125,7 +125,7 @@ bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport report;
-	if (rested && !settings.guessPressed && surelySolvable(system, settings.threads)) {
+	if (rested && surelySolvable(system, settings.threads)) {
 		report.measure(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
 			for (const ContactRow& c : system.contacts)
@@ -216,7 +216,7 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 	}
 	const bool solvable
 	    = surelySolvable(system, settings.threads); // else a small error is not enough: the method must find that there is a solution
-	if (solvable && !settings.guessPressed)
+	if (solvable)
 		judge(settings.tolerance);
 	Status status = Status::converged;
 	SolverSettings left = settings; // iterations that all parts together may still take
@@ -238,9 +238,10 @@ Status IslandSolver::solveInParts(ContactSystem& system, Solver method, const So
 				islands[k].sweeps += report.iterations;
 		measurePart(sums);
 		// An island without a solution, or with doubts that remain, must not stop the others. A small error does not make it solved.
+		if (report.contact >= 0 && unsolvable.status == Status::converged)
+			unsolvable = { report.status, partContacts[report.contact] };
 		if (report.status != Status::converged && report.contact >= 0) {
 			islands[partIsland[report.contact]].unsolvable = true;
-			unsolvable = { report.status, partContacts[report.contact] };
 			continue;
 		}
 		status = report.status;
@@ -273,10 +274,10 @@ SolverReport IslandSolver::conclude(ContactSystem& system, Status status, double
 	report.work = work;
 	report.iterations = sweeps;
 	report.factorizations = factorizations;
-	if (unsolvable.contact >= 0) {
+	report.contact = unsolvable.contact;
+	if (unsolvable.status != Status::converged)
 		report.status = unsolvable.status;
-		report.contact = unsolvable.contact;
-	} else if (std::isnan(report.error))
+	else if (std::isnan(report.error))
 		report.status = Status::diverged;
 	else if (report.error > (1 + onTheEdge) * tolerance || status != Status::converged)
 		report.status = status == Status::converged ? Status::stagnated : status;
@@ -293,7 +294,7 @@ SolverReport IslandSolver::operator()(
 	countUnknowns(effort);
 	copyVelocities(system, freeVelocity, settings.threads);
 	sums.assign(islands.size(), {});
-	if (stillness && !settings.guessPressed) // what a press has left may balance, but holds nothing
+	if (stillness)
 		recognise(system, stillness->before, stillness->tolerance);
 	solveLoneContacts(system, settings.tolerance);
 	const bool inPlace = found.empty() && (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);

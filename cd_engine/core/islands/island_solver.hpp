@@ -105,7 +105,7 @@ class IslandSolver {
 	struct {
 		Status status = Status::converged;
 		int32_t contact = -1; // of the system
-	} unsolvable; // the last island found without a solution
+	} unsolvable; // the first island found without a solution, else one whose first guess must not be used again (SolverReport::contact)
 	std::vector<SleepingIsland> found; // asleep, sorted by name
 	std::vector<double> own; // of each body: W_nn |p|^2 summed over its own contacts [J]
 	std::vector<ResidualSum> trial; // errors of the islands that may be at rest

@@ -302,7 +302,7 @@ void TimeStep::findContacts(World& world, const StepSettings& settings, const Be
 	appended = false;
 	source = &world;
 	sourceSettings = &settings;
-	// Rows that push need a proof that there is a solution (verdict.hpp), which reads all of them.
+	// Rows that push need a proof that there is a solution (feasibility.hpp), which reads all of them.
 	const bool pushes = begun.turns || settings.gapCorrection != 0 || settings.restitution != 0;
 	if (same && !pushes && settings.warmStart && sleepers.none() && findSpecial(world, settings))
 		return system.contacts.postpone(this);

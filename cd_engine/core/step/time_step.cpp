@@ -84,7 +84,7 @@ bool TimeStep::lowerRebounds(const World& world, const StepSettings& settings, c
 	const Status status = report.solver.status;
 	if (!rebounds.any())
 		return false;
-	if (status == Status::no_solution || status == Status::indefinite)
+	if (report.solver.contact >= 0 && status != Status::converged && status != Status::diverged)
 		return rebounds.giveUp(system, report.solver.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
 	const bool unsolved = status == Status::max_iterations || status == Status::stagnated;
@@ -140,7 +140,9 @@ bool TimeStep::attempt(World& world, const StepSettings& settings, StepReport& r
 				return end(report);
 			if (spent) // the rebounds that add energy must not stay
 				most += 1 + settings.solver.maxIterations / 10;
-			guessAgain(world, settings); // the judged impulses may be so large that any error is small beside them
+			StepSettings anew = settings; // these impulses may be so large that any error is small beside them
+			anew.warmStart = settings.warmStart && report.solver.contact < 0;
+			guessAgain(world, anew);
 			tolerance = std::min(tolerance, Rebounds::mostGain);
 			freeAgain(world, settings.dt);
 			continue;
