@@ -87,7 +87,7 @@ void endOnSignal()
 		throw py::error_already_set();
 }
 
-// (iterations, factorizations, residual, residual_max, status, doubtful, contact, solved_by, seconds, looks) of a solution. looks: of a
+// (iterations, factorizations, residual, residual_max, status, contact, solved_by, seconds, looks) of a solution. looks: of a
 // trace, two numbers each.
 template <class System, class Solver>
 py::tuple solved(System& system, Solver* solver, const std::string& method, cd::SolverSettings settings, bool traced)
@@ -109,7 +109,7 @@ py::tuple solved(System& system, Solver* solver, const std::string& method, cd::
 		looks.append(look.iterations);
 		looks.append(look.error);
 	}
-	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status), report.doubtful,
+	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status),
 	    report.contact, cd::solvedBy(method, report), seconds, looks);
 }
 
@@ -121,13 +121,13 @@ py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::
 	// A guess that tells nothing is not used: it would stay where nothing resists it.
 	if (py::len(arrays) == 5) {
 		cd::DelassusSystem system = matrixSystem(arrays, impulses);
-		if (!(cd::growth(system) <= cd::mostGrowth))
+		if (!(cd::resolution(system).growth <= cd::mostGrowth))
 			std::fill(system.p.begin(), system.p.end(), 0.);
 		const py::tuple report = solved(system, cd::findDelassusSolver(method), method, settings, traced);
 		return py::make_tuple(bytes(system.p), report);
 	}
 	cd::ContactSystem system = bodySystem(arrays, impulses);
-	if (!(cd::growth(system, numbers<double>(arrays[1])) <= cd::mostGrowth))
+	if (!(cd::resolution(system, numbers<double>(arrays[1])).growth <= cd::mostGrowth))
 		for (cd::ContactRow& c : system.contacts)
 			c.pn = c.pt = 0;
 	cd::Threads team;

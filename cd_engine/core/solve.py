@@ -20,7 +20,7 @@ class Report:
     residual_max: float       # error of the worst contact over the root mean square of the impulses
     converged: bool
     status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite
-    contact: object           # no_solution: the contact that closes or grows most; diverged: one with NaN or infinity; else None
+    contact: object           # where velocities are not resolved or, with no_solution, contacts must close; diverged: of NaN or infinity; else None
     bodies: object            # for a BodyProblem, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # of the calling thread's processor time, spent in the solver
@@ -89,7 +89,7 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
                       Newton, for small problems; auto: accelerated, and newton if that stagnates (up to about 1 s more). If one of the last
                       three makes no progress, plain sweeps are tried as well
     max_iterations    sweeps and factorizations together, never exceeded; plain Gauss-Seidel may need 1e5 to reach 1e-8
-    impulses          first guess [N s], by default zero. It is ignored if it is 1e12 times larger than what would stop each closing contact alone
+    impulses          first guess [N s], by default zero. It is ignored if it is 1e11 times larger than what would stop each closing contact alone
     fixed_iterations  positive: exactly so many plain Gauss-Seidel sweeps, whatever the method, and no test
     seed              positive: every sweep in a new random order, drawn from this seed
     threads           number of threads for a large `BodyProblem`; the result has the same bits with any number. A `Problem` uses one thread
@@ -97,11 +97,11 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
                       infinite while no contact carries a load
 
     A problem that is not solved raises no exception: `status` in the report says so, and the report holds the best impulses found. Input of a wrong
-    kind or out of range raises ValueError. `no_solution`: the impulses grow without limit, as between two walls that close in on a body (along a
-    self-stress against which the free velocities do work), or a solution would need impulses 1e12 times larger than what would stop each closing
-    contact alone. Without friction this proves that there is no solution; with friction another motion may exist. `indefinite`: p^T W p is negative
-    for some impulses, which is impossible in mechanics. In a dense packing of disks a sweep reads about 7 n blocks of W, but for a `BodyProblem` only
-    the n contacts. The arrays are copied once. Ctrl-C ends the search, except with `fixed_iterations`.
+    kind or out of range raises ValueError. `converged`: the error is within the tolerance, and no contact closes, or parts under load, by more than
+    ten tolerances of the fastest closing without impulses. `no_solution`: proven, since no velocities (of a matrix problem, W p + q) keep all
+    contacts from closing. `stagnated` or `max_iterations` with a `contact`: impulses grew, and neither a solution nor such a proof was found.
+    `indefinite`: the same, and p^T W p is negative, which is impossible in mechanics. In a dense packing of disks a sweep reads about 7 n blocks of
+    W, but for a `BodyProblem` only the n contacts. The arrays are copied once. Ctrl-C ends the search, except with `fixed_iterations`.
     """
     core = _core()
     if not isinstance(method, str) or method not in core.methods():
@@ -119,9 +119,9 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size)
     p, found = core.solve(arrays, p, method, float(tolerance), max_iterations, fixed_iterations, seed, bool(trace), threads)
     p = np.frombuffer(p).copy()
-    iterations, factorizations, e, worst, status, doubtful, contact, solved_by, seconds, looks = found
-    converged = status == "converged" or (status == "fixed_iterations" and not doubtful and e <= tolerance)
-    contact = contact if contact >= 0 else None
+    iterations, factorizations, e, worst, status, contact, solved_by, seconds, looks = found
+    converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
+    contact = contact if contact >= 0 and not converged else None
     bodies = tuple(map(int, problem.pairs[contact])) if isinstance(problem, BodyProblem) and contact is not None else None
     looks = np.array(looks, float).reshape(-1, 2) if trace else None
     return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds, looks)

@@ -93,7 +93,7 @@ CD_ATTRIBUTE(std::vector<int>, loadsBeforeTrial, {}, internal,
 CD_ATTRIBUTE(long, restTrialAt, 0, internal,
     "Value of *steps* from which the next trial of rest is due: the engine then solves slow islands to a thousandth of *tolerance*, and those that "
     "this shows to be at rest are stopped and sleep [1].")
-CD_ATTRIBUTE(bool, pressed, false, internal,
+CD_ATTRIBUTE(bool, unbounded, false, internal,
     "Whether the last step had no solution, or was not solved after a step without one: its impulses may have grown without end.")
 CD_ATTRIBUTE(bool, rested, false, internal,
     "Whether the last step solved its one large island without a sweep; this decides in which order impulses are added, and so last digits.")

@@ -168,7 +168,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.allowedOverlap = allowedOverlap;
-	s.warmStart = warmStart;
+	s.warmStart = warmStart && !unbounded; // impulses that have grown without a bound hold nothing
 	s.iteration = scene_iter(of);
 	s.reduce = reduce;
 	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
@@ -177,8 +177,6 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.solver = { nextTolerance(), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
 		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
-	s.solver.guessSolved = converged || steps == 0;
-	s.solver.guessPressed = pressed;
 	return s;
 }
 
@@ -306,12 +304,12 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	bodyError = report.solver.bodyError;
 	worstBody = report.solver.body;
 	unsolvableContact.clear();
-	if (report.unsolvable[0] >= 0)
+	unbounded = report.unsolvable[0] >= 0;
+	if (unbounded && report.solver.status != cd::Status::converged)
 		unsolvableContact.assign(report.unsolvable.begin(), report.unsolvable.end());
 	const bool fixed = report.solver.status == cd::Status::fixed_iterations;
-	converged = report.solver.status == cd::Status::converged || (fixed && !report.solver.doubtful && report.solver.error <= stepTolerance);
+	converged = report.solver.status == cd::Status::converged || (fixed && report.solver.error <= stepTolerance);
 	status = cd::name(report.solver.status);
-	pressed = !converged && (pressed || !unsolvableContact.empty());
 	solvedBy = cd::solvedBy(method, report.solver);
 	contacts = report.contacts;
 	unknowns = report.effort.unknowns;

@@ -262,7 +262,6 @@ struct Edited : Run {
 			gather(outran);
 			report = step(world, s);
 		}
-		s.solver.guessSolved = report.solver.status == Status::converged;
 		postponed += step.sparedRows();
 	}
 };

@@ -119,7 +119,7 @@ bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings, Rest* rest)
 {
 	SolverReport report;
-	if (rest && rest->withoutSweep && !settings.guessPressed && surelySolvable(system, settings.threads)) {
+	if (rest && rest->withoutSweep && surelySolvable(system, settings.threads)) {
 		system.contacts.make();
 		report.measure(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
@@ -150,12 +150,13 @@ int IslandSolver::markSolved(double tolerance)
 }
 
 // Solves the islands together, then goes on with those not solved by themselves. The bodies of the system keep their free velocities. Reports the
-// status, the factorizations, and the contact of the last island found without a solution.
+// status, the factorizations, and the contact of the first island found without a solution, else of one whose first guess must not be used again.
 SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport of;
+	Status unsolved = Status::converged; // of the first island found without a solution
 	const auto end = [&](Status status) {
-		of.status = of.contact < 0 ? status : of.status;
+		of.status = unsolved == Status::converged ? status : unsolved;
 		return of;
 	};
 	sums.assign(islands.size(), {});
@@ -169,7 +170,7 @@ SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, co
 	}
 	const bool solvable
 	    = surelySolvable(system, settings.threads); // else a small error is not enough: the method must find that there is a solution
-	if (solvable && !settings.guessPressed)
+	if (solvable)
 		markSolved(settings.tolerance);
 	Status status = Status::converged;
 	SolverSettings left = settings; // iterations that all parts together may still take
@@ -188,10 +189,12 @@ SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, co
 			island.sweeps += island.state == State::open ? report.iterations : 0;
 		part.measure(sums);
 		// An island without a solution, or without a clear one, must not stop the others. A small error does not make it solved.
+		if (report.contact >= 0 && unsolved == Status::converged) {
+			unsolved = report.status;
+			of.contact = part.contacts[report.contact];
+		}
 		if (report.status != Status::converged && report.contact >= 0) {
 			islands[part.islandOf[report.contact]].state = State::unsolvable;
-			of.status = report.status;
-			of.contact = part.contacts[report.contact];
 			continue;
 		}
 		status = report.status;
@@ -220,7 +223,7 @@ SolverReport IslandSolver::conclude(ContactSystem& system, SolverReport report, 
 			addImpulse(system, system.contacts[i]);
 	report.measure(residual(all.data(), all.size()));
 	report.work = work;
-	if (report.contact < 0 && std::isnan(report.error))
+	if (std::isnan(report.error) && (report.contact < 0 || report.status == Status::converged))
 		report.status = Status::diverged;
 	else if (report.status == Status::converged && report.error > (1 + onTheEdge) * tolerance)
 		report.status = Status::stagnated;
@@ -236,7 +239,7 @@ SolverReport IslandSolver::operator()(
 		return solveWhole(system, method, settings, effort);
 	findIslands(system, settings.threads, effort);
 	copyVelocities(system, freeVelocity, settings.threads);
-	if (stillness && !settings.guessPressed) // impulses that an unsolvable step has left may balance, but are not those of rest
+	if (stillness)
 		findAsleep(system, stillness->before, stillness->tolerance);
 	solveLoneContacts(system, settings.tolerance);
 	const bool inPlace = found.empty() && (!stillness || stillness->sleepers.none()) && isNearlyOneIsland(system);

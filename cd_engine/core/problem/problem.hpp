@@ -4,4 +4,3 @@
 #include "problem/contact_system.hpp"
 #include "problem/delassus_system.hpp"
 #include "problem/law.hpp"
-#include "problem/rigid_motion.hpp"

@@ -1,4 +1,5 @@
-// Whether impulses are a solution, and whether a problem has any.
+// Whether the velocities of a solution are exact enough, and whether a problem has a solution.
 #pragma once
 
-#include "solvability/verdict.hpp"
+#include "solvability/feasibility.hpp"
+#include "solvability/resolution.hpp"

@@ -41,16 +41,12 @@ struct SolverSettings {
 	int fixedIterations = 0; // > 0: exactly so many plain Gauss-Seidel sweeps, without an evaluation of the error in between
 	unsigned seed = 0; // > 0: every sweep in a new random order drawn from this seed; 0: one fixed order
 	double mostWork = std::numeric_limits<double>::infinity(); // floating-point operations after which Newton's method ends
-	bool guessSolved = true; // whether the first guess is from a solved step; if not, large impulses in it are no reason to accept large ones
-	// Whether the guess is from an unsolvable or doubtful step. If no boundary can press any more, it is replaced by zero. Otherwise, if a
-	// solution is found from it, the problem is solved again from zero impulses to confirm that.
-	bool guessPressed = false;
 	const Start* start = nullptr; // the system's initial state, if the caller keeps a copy (start.hpp)
 	Threads* threads = nullptr; // share the work of a problem given by its bodies; the bits do not depend on them
 	Trace* trace = nullptr; // records the error on the way, or ends the solution, if somebody asks for it
 };
 
-// no_solution: there is none, or only one with impulses above all bounds (verdict.hpp); indefinite: the same, and p . W p < 0 for some impulses p.
+// no_solution: proven (feasibility.hpp); indefinite: not solved, and p . W p < 0, which is impossible in mechanics.
 enum class Status { converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite };
 const char* name(Status);
 
@@ -64,10 +60,10 @@ struct SolverReport {
 	double error = 0; // the largest of e, e weighted by W_nn, and the error of the bodies; compared with the tolerance
 	double work = 0; // sum of W_nn |p|^2 over the contacts that are awake [J]
 	bool plain = false; // plain Gauss-Seidel sweeps ended the search, although the method has better ones
-	bool doubtful
-	    = false; // under fixedIterations: whether verdict.hpp does not accept the impulses as a solution, however small their errors may be
 	Status status = Status::converged;
-	int32_t contact = -1; // row of the contact that speaks most against the impulses, if one does: for no_solution, indefinite, diverged
+	// Row of the contact where, at the tolerance asked for, the velocities are not resolved, or are none. If the status is converged, smaller
+	// tolerances have resolved them; the impulses are so large that they would spoil the next solution as its first guess. -1: none.
+	int32_t contact = -1;
 
 	void measure(const Residual& e)
 	{
@@ -88,9 +84,8 @@ using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
 // Which method brought a problem given to `method` to its tolerance; "none" if none did.
 std::string solvedBy(const std::string& method, const SolverReport&);
 
-// Null if there is no such method. What they return is judged: whatever the method's own error, impulses that solve nothing by verdict.hpp do not
-// count as converged, and a problem without a solution is reported as such. At most a tenth of maxIterations is reserved for this, if the bodies do
-// not show beforehand that there is a solution.
+// Null if there is no such method. What they return as converged resolves the velocities, too (resolution.hpp): if the error alone is within the
+// tolerance, they go on to smaller ones. Under fixedIterations nothing of this is done.
 Solver findSolver(const std::string& method);
 DelassusSolver findDelassusSolver(const std::string& method);
 std::vector<std::string> solverNames();

@@ -133,10 +133,10 @@ void ProblemBuilder::append(const StepView& now, const ContactFinder& found, Con
 	}
 }
 
-void ProblemBuilder::guessAgain(const StepView& now, const ContactFinder& found, ContactSystem& system) const
+void ProblemBuilder::guessAgain(const StepView& now, const ContactFinder& found, ContactSystem& system, bool warm) const
 {
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const auto [pn, pt] = i < found.foundFirst() ? guess(now, found.pairs()[i]) : std::array<double, 2> { 0, 0 };
+		const auto [pn, pt] = warm && i < found.foundFirst() ? guess(now, found.pairs()[i]) : std::array<double, 2> { 0, 0 };
 		system.contacts[i].pn = pn;
 		system.contacts[i].pt = pt;
 	}
@@ -146,7 +146,7 @@ bool ProblemBuilder::lowerRebounds(const StepView& now, ContactSystem& system, c
 {
 	if (!rebounds.any())
 		return false;
-	if (report.status == Status::no_solution || report.status == Status::indefinite)
+	if (report.contact >= 0 && report.status != Status::converged && report.status != Status::diverged)
 		return rebounds.giveUp(system, report.contact);
 	// A gap correction adds energy by itself, so this test does not apply to it.
 	const bool unsolved = report.status == Status::max_iterations || report.status == Status::stagnated;

@@ -18,8 +18,8 @@ class ProblemBuilder : GroupSource {
 	// Adds the contacts that the finder has added. The first guess is the impulse that would stop this contact alone: with 0 a large system's
 	// error may not show it.
 	void append(const StepView&, const ContactFinder&, ContactSystem&);
-	// Restores the first guess. Contacts that were added have none.
-	void guessAgain(const StepView&, const ContactFinder&, ContactSystem&) const;
+	// Restores the first guess, or sets it to zero if not `warm`. Contacts that were added have none.
+	void guessAgain(const StepView&, const ContactFinder&, ContactSystem&, bool warm) const;
 	// Whether the step must be solved again because its rebounds demand more than the energy allows, or make it unsolvable. last: it can be
 	// solved only once more.
 	bool lowerRebounds(const StepView&, ContactSystem&, const SolverReport&, bool last);

@@ -28,7 +28,7 @@ struct StepSettings {
 struct StepReport {
 	SolverReport solver;
 	Effort effort;
-	std::array<int32_t, 2> unsolvable { -1, -1 }; // bodies of the contact that speaks most against a solution
+	std::array<int32_t, 2> unsolvable { -1, -1 }; // bodies of SolverReport::contact
 	int contacts = 0; // contacts that the solver was given
 	int slidingContacts = 0; // loaded contacts with mu > 0 and |p_t| at mu p_n
 	int loadedContacts = 0;

@@ -19,7 +19,7 @@ void TimeStep::prepare(World& world, const StepView& step)
 	account.begin();
 	const BodyMotion::Start start = motion.begin(world, s.dt, system, threads);
 	const bool same = finder.find(world, step, motion, start);
-	// Rows that push need a proof that there is a solution (verdict.hpp), which reads all of them.
+	// Rows that push need a proof that there is a solution (feasibility.hpp), which reads all of them.
 	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0;
 	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none());
 }
@@ -106,7 +106,7 @@ bool TimeStep::attempt(World& world, const StepView& step, StepReport& report)
 				report.solver.iterations = 0;
 		}
 		if (rebounds || fixed) // impulses with rebounds may be so large that any error is small beside them
-			builder.guessAgain(step, finder, system);
+			builder.guessAgain(step, finder, system, !rebounds || report.solver.contact < 0);
 		BodyMotion::resetFree(world, step.dt(), system, threads);
 	}
 }

@@ -1,8 +1,7 @@
 // What counts as solved, and what is named as having no solution, of every method and in both forms of a problem.
 #include "error/residual.hpp"
-#include "problem/rigid_motion.hpp"
 #include "systems.hpp"
-#include "solvability/verdict.hpp"
+#include "solvability/solvability.hpp"
 
 #include <cmath>
 #include <doctest/doctest.h>
@@ -117,61 +116,22 @@ TEST_CASE("an observer who moves along with all boundaries sees the same: as man
 	}
 }
 
-TEST_CASE("boundaries move together if each of them does")
-{
-	// As many boundaries, each with a disk; a boundary's velocity is that of a common motion, and the last one's is `other` times that.
-	const auto together = [](int boundaries, double x, double y, double spin, double other) {
-		ContactSystem s;
-		std::vector<double> free;
-		for (int i = 0; i < 2 * boundaries; i++) {
-			const double px = 0.37 * (i % 7), py = 0.53 * (i / 7), factor = i + 1 < 2 * boundaries ? 1 : other;
-			s.places.push_back({ px, py });
-			s.bodies.push_back({});
-			free.insert(free.end(), { factor * (x - spin * py), factor * (y + spin * px), factor * spin });
-			if (i % 2 == 0)
-				std::fill_n(s.bodies.back().w, 3, 1.);
-			else {
-				ContactRow c {};
-				c.a = i;
-				c.b = i - 1;
-				c.wnn = 1;
-				s.contacts.push_back(c);
-			}
-		}
-		std::vector<char> touched;
-		return RigidMotion(s, free, touched).ofAll();
-	};
-	for (const int boundaries : { 1, 2, 3, 5, 7, 50, 500 })
-		for (const double speed : { 1e-9, 0.7, 3. }) {
-			CAPTURE(boundaries);
-			CAPTURE(speed);
-			CHECK(together(boundaries, speed, -0.1 * speed, 0, 1));
-			CHECK(together(boundaries, 0.3, 0, speed, 1));
-			CHECK(together(boundaries, 0, 0, speed, 1));
-			CHECK(!together(boundaries, 0, 0, 0, 1)); // they rest
-			for (const double other : { -1., 0., 0.5, 3. })
-				if (boundaries > 2) { // two of them may turn
-					CHECK(!together(boundaries, speed, -0.1 * speed, 0, other));
-					CHECK(!together(boundaries, 0, 0, speed, other));
-				}
-		}
-}
-
-TEST_CASE("the judgement alone: nothing, doubtful, no solution, numbers that are none")
+TEST_CASE("the fastest closing of a contact, the growth of the impulses, and numbers that are none")
 {
 	ContactSystem s = squeezed(2, 0);
 	const std::vector<double> free = velocitiesOf(s);
-	CHECK(judge(s, free, 0, 1e-6).finding == Finding::nothing); // no impulses: nothing has grown
 	for (ContactRow& c : s.contacts)
 		c.pn = 1e3;
-	const Verdict grown = judge(s, free, 0, 1e-6);
-	CHECK(grown.finding == Finding::no_solution);
+	const Resolution grown = resolution(s, free);
+	CHECK(grown.miss == doctest::Approx(1).epsilon(1e-11));
+	CHECK(grown.free == 1);
+	CHECK(grown.yields);
 	CHECK(grown.growth == doctest::Approx(1e3 * std::sqrt(4. / 2)).epsilon(1e-12)); // W_nn = 1, 2, 1; alone 1 N s at each wall
 	s.contacts[1].pn = std::numeric_limits<double>::quiet_NaN();
-	CHECK(judge(s, free, 0, 1e-6).finding == Finding::not_finite);
-	CHECK(judge(s, free, 0, 1e-6).contact == 1);
+	CHECK(!resolution(s, free).finite);
+	CHECK(resolution(s, free).contact == 1);
 	s.contacts[1].pn = 1e200;
-	CHECK(judge(s, free, 0, 1e-6).finding == Finding::not_finite); // its square is none
+	CHECK(!resolution(s, free).finite); // its square is none
 }
 
 TEST_CASE("a contact that is free along its normal by round-off alone is not solved, and does not spoil the others")

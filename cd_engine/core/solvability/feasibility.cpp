@@ -1,0 +1,295 @@
+// Searches velocities v of the movable bodies with  J v + b >= 0.  J v are normal relative velocities, b those that boundaries and biases prescribe.
+// The least total closing velocity,
+//   min over v of |min(J v + b, 0)|^2,
+// is 0 if and only if such velocities exist. If it is not 0, y = -min(J v + b, 0) at the minimum is the proof (Farkas' lemma): y >= 0, J^T y = 0 and
+// b . y = -|y|^2 < 0. The minimum is found by Newton's method: each step solves the least squares problem of the contacts that now close by
+// conjugate gradients (CGLS).
+#include "solvability/feasibility.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+namespace cd {
+namespace {
+
+	constexpr double solved = 1e-15; // a gradient below this share of its terms is round-off
+	constexpr double bound = 1e8; // velocities beyond so many times the prescribed ones, both weighted by the masses, are none
+	constexpr double share = 1e-8; // the work b . y must exceed this share of its terms: normals are not exact
+
+	double square(const std::vector<double>& a) { return std::inner_product(a.begin(), a.end(), a.begin(), 0.); }
+
+	void add(std::vector<double>& to, double factor, const std::vector<double>& what)
+	{
+		for (std::size_t i = 0; i < to.size(); i++)
+			to[i] += factor * what[i];
+	}
+
+	// The normal relative velocity of a contact for three numbers a body.
+	double normalVelocity(const ContactRow& c, const std::vector<double>& v)
+	{
+		const double *a = &v[3 * c.a], *b = &v[3 * c.b];
+		return c.nx * (b[0] - a[0]) + c.ny * (b[1] - a[1]) + c.bn * b[2] - c.an * a[2];
+	}
+
+	// The velocities at which blocked freedoms move as they do, and all others along with `boundary` as one rigid body; -1: they rest.
+	void moveAlong(const ContactSystem& s, int32_t boundary, const std::vector<double>& free, std::vector<double>& v)
+	{
+		v = free;
+		for (std::size_t i = 0; i < s.bodies.size(); i++) {
+			double along[3] = { 0, 0, 0 };
+			if (boundary >= 0) {
+				std::copy_n(&free[3 * static_cast<std::size_t>(boundary)], 3, along);
+				if (along[2] != 0) {
+					along[0] -= along[2] * (s.places[i][1] - s.places[boundary][1]);
+					along[1] += along[2] * (s.places[i][0] - s.places[boundary][0]);
+				}
+			}
+			for (int k = 0; k < 3; k++)
+				if (s.bodies[i].w[k] > 0)
+					v[3 * i + k] = along[k];
+		}
+	}
+
+	// Rows are weighted by 1/sqrt(W_nn) and velocities by the square roots of the masses, so that the rows of J have length 1.
+	class LeastSquares {
+	    public:
+		void read(const ContactSystem& s, const std::vector<double>& free)
+		{
+			clear(free.size());
+			moveAlong(s, -1, free, v);
+			for (std::size_t i = 0; i < s.contacts.size(); i++) {
+				const ContactRow& c = s.contacts[i];
+				if (!(c.wnn > 0))
+					continue;
+				double un, ut, terms = std::abs(c.bias);
+				relativeVelocity(c, s.bodies[c.a], s.bodies[c.b], un, ut);
+				const double arms[2][3] = { { -c.nx, -c.ny, -c.an }, { c.nx, c.ny, c.bn } };
+				for (const int side : { 0, 1 })
+					for (int k = 0; k < 3; k++) {
+						const int32_t unknown = 3 * (side == 0 ? c.a : c.b) + k;
+						const double w = s.bodies[unknown / 3].w[k];
+						if (w > 0)
+							entry(unknown, arms[side][k] * std::sqrt(w / c.wnn));
+						else
+							terms += std::abs(arms[side][k] * v[unknown]);
+					}
+				row(static_cast<int32_t>(i), std::sqrt(c.wnn), normalVelocity(c, v) + c.bias, terms, un + c.bias);
+			}
+		}
+		void read(const DelassusSystem& s)
+		{
+			clear(s.p.size());
+			const auto root = [&](std::size_t i, bool t) {
+				const Block& own = s.blocks[s.diagonal[i]];
+				return std::sqrt(t ? own.tt : own.nn);
+			};
+			for (std::size_t i = 0; i < s.contacts(); i++) {
+				double un = s.q[2 * i];
+				for (std::size_t k = s.start[i]; k < s.start[i + 1]; k++) {
+					const int32_t j = s.column[k];
+					un += s.blocks[k].nn * s.p[2 * j] + s.blocks[k].nt * s.p[2 * j + 1];
+					entry(2 * j, s.blocks[k].nn / root(i, false) / root(j, false));
+					entry(2 * j + 1, s.blocks[k].nt / root(i, false) / root(j, true));
+				}
+				row(static_cast<int32_t>(i), root(i, false), s.q[2 * i], std::abs(s.q[2 * i]), un);
+			}
+		}
+
+		Feasibility search(double least, int products)
+		{
+			left = products;
+			const double scale = std::sqrt(closing(b));
+			while (left > 0) {
+				if (!(fastest() > least))
+					break;
+				const double before = closing(r);
+				descent(r);
+				if (square(g) <= solved * solved * 2 * before)
+					break;
+				descend();
+				if (square(step) > bound * bound * scale * scale)
+					break;
+				along(step, change);
+				add(r, best(), change);
+				if (!(closing(r) < before))
+					break;
+			}
+			if (!(fastest() > least))
+				return { true, -1 };
+			return { false, proof(scale) };
+		}
+
+	    private:
+		void clear(std::size_t size)
+		{
+			unknowns = size;
+			for (auto* of : { &b, &terms, &roots, &r, &value })
+				of->clear();
+			for (auto* of : { &contact, &column })
+				of->clear();
+			end.clear();
+		}
+		void entry(int32_t unknown, double j)
+		{
+			column.push_back(unknown);
+			value.push_back(j);
+		}
+		void row(int32_t i, double root, double prescribed, double sum, double now)
+		{
+			contact.push_back(i);
+			end.push_back(column.size());
+			roots.push_back(root);
+			b.push_back(prescribed / root);
+			terms.push_back(sum / root);
+			r.push_back(now / root);
+		}
+
+		double fastest() const // closing [m/s]
+		{
+			double most = 0;
+			for (std::size_t i = 0; i < r.size(); i++)
+				most = std::max(most, -r[i] * roots[i]);
+			return most;
+		}
+		static double closing(const std::vector<double>& r)
+		{
+			double sum = 0;
+			for (const double e : r)
+				sum += e < 0 ? e * e : 0;
+			return sum;
+		}
+
+		// J x
+		void along(const std::vector<double>& x, std::vector<double>& to) const
+		{
+			to.assign(end.size(), 0);
+			for (std::size_t i = 0, k = 0; i < end.size(); i++)
+				for (; k < end[i]; k++)
+					to[i] += value[k] * x[column[k]];
+		}
+
+		// Puts -J^T y, summed over the contacts that now close, into g.
+		void descent(const std::vector<double>& y)
+		{
+			g.assign(unknowns, 0);
+			for (std::size_t i = 0; i < end.size(); i++)
+				for (std::size_t k = i == 0 ? 0 : end[i - 1]; r[i] < 0 && k < end[i]; k++)
+					g[column[k]] -= value[k] * y[i];
+		}
+
+		// Solves the least squares problem of the contacts that now close. The result goes to `step`.
+		void descend()
+		{
+			step.assign(unknowns, 0);
+			rest = r;
+			descent(rest);
+			direction = g;
+			double gg = square(g);
+			const double goal = gg * 1e-2;
+			while (gg > goal && gg > solved * solved * 2 * closing(r) && left-- > 0) {
+				along(direction, w);
+				double ww = 0;
+				for (std::size_t i = 0; i < w.size(); i++)
+					ww += r[i] < 0 ? w[i] * w[i] : 0;
+				if (!(ww > 0))
+					return;
+				const double length = gg / ww;
+				add(step, length, direction);
+				add(rest, length, w);
+				descent(rest);
+				const double next = square(g);
+				for (std::size_t i = 0; i < step.size(); i++)
+					direction[i] = g[i] + next / gg * direction[i];
+				gg = next;
+			}
+		}
+
+		// The share of the step, at most 1, at which the contacts close least. Along the step the set of closing contacts may change.
+		double best() const
+		{
+			const auto falls = [this](double length) {
+				double slope = 0;
+				for (std::size_t i = 0; i < r.size(); i++)
+					slope += std::min(r[i] + length * change[i], 0.) * change[i];
+				return slope <= 0;
+			};
+			if (falls(1))
+				return 1;
+			double low = 0, high = 1;
+			while (high - low > solved) {
+				const double middle = (low + high) / 2;
+				(falls(middle) ? low : high) = middle;
+			}
+			return low;
+		}
+
+		// The contact that closes most if y is a proof, else -1. Velocities without closing would have to be larger than |y|^2/|J^T y|.
+		int32_t proof(double scale)
+		{
+			descent(r);
+			double work = 0, sum = 0;
+			std::size_t most = 0;
+			for (std::size_t i = 0; i < r.size(); i++) {
+				const double y = std::max(-r[i], 0.);
+				work -= y * b[i];
+				sum += y * terms[i];
+				if (r[i] < r[most])
+					most = i;
+			}
+			return work > share * sum && work > bound * scale * std::sqrt(square(g)) ? contact[most] : -1;
+		}
+
+		int left = 0; // products that may still be made
+		std::size_t unknowns = 0;
+		std::vector<int32_t> contact, column; // of each row of J; of each of its entries, the unknown
+		std::vector<std::size_t> end; // of each row, among the entries
+		std::vector<double> value;
+		std::vector<double> roots, b, terms; // of W_nn; the prescribed velocities, and the magnitude of their terms
+		std::vector<double> r; // J v + b
+		std::vector<double> g, step, direction, v; // of the unknowns
+		std::vector<double> w, rest, change; // of the contacts
+	};
+
+} // namespace
+
+Feasibility feasibility(const ContactSystem& s, const std::vector<double>& freeVelocity, double least, int products)
+{
+	const Borrowed<LeastSquares> search(s.memory);
+	search->read(s, freeVelocity);
+	return search->search(least, products);
+}
+Feasibility feasibility(const DelassusSystem& s, double least, int products)
+{
+	const Borrowed<LeastSquares> search(s.memory);
+	search->read(s);
+	return search->search(least, products);
+}
+
+bool surelySolvable(const ContactSystem& s, Threads* threads)
+{
+	return !anyOf(threads, s.bodies.size(), [&](std::size_t i) { return isDriven(s.bodies[i]); })
+	    && (s.contacts.postponed() // they push nothing
+		|| !anyOf(threads, s.contacts.size(), [&](std::size_t i) { return !(s.contacts[i].bias >= 0); }));
+}
+
+bool staysOpen(const ContactSystem& s, const std::vector<double>& freeVelocity, double least)
+{
+	const Borrowed<std::vector<double>, LeastSquares> borrowed(s.memory);
+	std::vector<double>& v = *borrowed;
+	const auto open = [&](int32_t along) {
+		moveAlong(s, along, freeVelocity, v);
+		return std::all_of(s.contacts.begin(), s.contacts.end(),
+		    [&](const ContactRow& c) { return !(c.wnn > 0) || normalVelocity(c, v) + c.bias >= -least; });
+	};
+	if (open(-1))
+		return true;
+	for (const ContactRow& c : s.contacts)
+		for (const int32_t i : { c.a, c.b })
+			if (c.wnn > 0 && s.bodies[i].w[0] == 0 && s.bodies[i].w[1] == 0)
+				return (freeVelocity[3 * i + 2] == 0 || !s.places.empty()) && open(i);
+	return false;
+}
+
+} // namespace cd
