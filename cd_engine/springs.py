@@ -134,7 +134,7 @@ class Springs:
 
     def depths(self):
         """Return the overlaps over the smaller radius."""
-        return self.overlap / np.fmin(*self.bodies.radius[self.ends].T)
+        return np.nan_to_num(self.overlap / np.fmin(*self.bodies.radius[self.ends].T))
 
     def stiffest(self):
         """Return the largest k/m and c/m of a contact and a body that is free there, rows normal and tangential; zeros without contacts."""

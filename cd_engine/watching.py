@@ -24,6 +24,7 @@ SPRINGS, RIGID = 10_000, 1_000  # largest interval [steps]. A check costs as muc
 # Share of the kinetic energy of the stiffest bodies that alternates from step to step. In drums of 500 disks it is below 1e-3 at steps below the
 # limit, 0.002 to 0.01 at 1.03 times the limit, 0.03 to 0.1 at 1.2 times and 0.01 to 0.25 at twice the limit.
 ALTERNATING = 0.01
+STILL = 1e-9  # radii: what moves less in a step may be round-off, which an unstable mode does not enlarge where positions cannot resolve it
 SAFETY = 0.9  # of a step that is recommended
 OVERLAP = 0.6  # of the smaller radius. In runs with far too soft springs that are otherwise sound it reaches 0.59
 # Energy that integration may add, of that available, if contacts are short: a contact entered in mid-step gains up to (w dt)^2 of the energy.
@@ -72,7 +73,7 @@ class Watch:
         gravity = _gravity(O)
         traces = contacts.traces(O.dt) if _explicit(O) else np.zeros(len(bodies.ids))
         value = contacts.eigenvalue(O.dt, traces)
-        what = self._numbers(bodies) or self._step(O, bodies, contacts, gravity, value, traces, moved) or self._overlap(bodies, contacts) \
+        what = self._numbers(bodies) or self._step(O, bodies, contacts, gravity, value, traces, moved) or self._overlap(O, bodies, contacts) \
             or self._speed(O, bodies, gravity) or self._energy(O, bodies, gravity, value)
         if what:
             step = self._enough(O, bodies)
@@ -97,7 +98,8 @@ class Watch:
         if value < springs.LIMIT:
             return ""
         tight = traces >= springs.LIMIT / 2
-        alternates = _alternating(O, bodies, gravity, tight, moved)
+        size = np.nanmin(bodies.radius) if np.isfinite(bodies.radius).any() else 1.0
+        alternates = _alternating(O, bodies, gravity, tight & ((_speeds(bodies) + _spins(bodies)) * O.dt > STILL * size), moved)
         if alternates < ALTERNATING:
             return ""
         body = traces.argmax()
@@ -105,10 +107,13 @@ class Watch:
                 f"step to step. The stiffest is {bodies.name(body)} with {(bodies.owner[contacts.ends] == body).sum()} contacts and a mass of "
                 f"{bodies.mass[body]:.3g} kg")
 
-    def _overlap(self, bodies, contacts):
+    def _overlap(self, O, bodies, contacts):
+        """Compare the overlaps with the smaller radius; those that ContactDynamics had in any step, of unknown bodies, with the largest one."""
         depths = contacts.depths()
-        if not len(depths) or not depths.max() > max(OVERLAP, 1.1 * self.deepest):
-            return ""
+        if not depths.max(initial=0) > max(OVERLAP, 1.1 * self.deepest):
+            deepest = max((engine.deepestPenetration for engine in O.engines if hasattr(engine, "deepestPenetration")), default=0)
+            largest = np.nanmax(bodies.radius, initial=0)
+            return f"two bodies overlapped by {deepest:.3g} m: they pass into each other" if not deepest <= OVERLAP * largest else ""
         one, other = contacts.ends[depths.argmax()]
         return f"{bodies.name(one)} and {bodies.name(other)} overlap by {depths.max():.3g} of the smaller radius: they pass into each other"
 
@@ -142,10 +147,12 @@ class Watch:
     def _is_closed(self, O, bodies):
         """Tell whether nothing but gravity and contacts that repel each other does work."""
         live = [engine for engine in O.engines if not engine.dead]
-        held = ~bodies.free.any(axis=1) & (bodies.owner == np.arange(len(bodies.ids)))
-        still = not bodies.velocity[~bodies.free].any() and (np.abs(bodies.position - self.start.position)[held] <= MOVED).all()
+        alone = bodies.owner == np.arange(len(bodies.ids))
+        held = alone & ~bodies.free.any(axis=1)
+        still = not bodies.velocity[alone[:, None] & ~bodies.free].any() and (np.abs(bodies.position - self.start.position)[held] <= MOVED).all()
         laws = {type(law).__name__ for engine in live if hasattr(engine, "lawDispatcher") for law in engine.lawDispatcher.functors}
-        return bool(still and laws <= REPULSIVE and not O.forces.getPermForceUsed() and all(
+        pushed = O.forces.getPermForceUsed() or any(getattr(engine, "gapCorrection", 0) > 0 for engine in live)
+        return bool(still and laws <= REPULSIVE and not pushed and all(
             type(engine).__name__ in PASSIVE or type(engine).__name__ == "PyRunner" and engine.label in (LABEL, *self.observers) for engine in live))
 
     def _enough(self, O, bodies):
@@ -170,6 +177,11 @@ def _gravity(O):
 
 def _speeds(bodies):
     return np.sqrt((bodies.velocity[:, :3]**2).sum(axis=1))
+
+
+def _spins(bodies):
+    """Return the speeds that rotation gives to the surfaces of spheres."""
+    return np.sqrt((bodies.velocity[:, 3:]**2).sum(axis=1)) * np.nan_to_num(bodies.radius)
 
 
 def _kinetic(bodies):
@@ -213,11 +225,12 @@ def fire(observers, most):
     """Check the scene from within a run, and set the steps to the next check. An unstable run ends."""
     global _failure
     from yade import O
+    watch = of_scene(observers)
     engine = next(engine for engine in O.engines if engine.label == LABEL)
-    engine.iterPeriod = min(4 * engine.iterPeriod if O.iter else FIRST, most or (SPRINGS if _explicit(O) else RIGID))
+    engine.iterPeriod = min(4 * engine.iterPeriod if watch.start else FIRST, most or (SPRINGS if _explicit(O) else RIGID))
     try:
         names = [type(other).__name__ for other in O.engines]
-        of_scene(observers).check("NewtonIntegrator" in names[:O.engines.index(engine)])
+        watch.check("NewtonIntegrator" in names[:O.engines.index(engine)])
     except Unstable as error:
         _failure = error
         if not _awaited:
