@@ -12,8 +12,8 @@ s = w dt. Both lie within the unit circle while 4 - 4 z s - s^2 > 0 (Jury's crit
 
 Without damping this is the limit 2 of central differences; damping lowers it. For all modes at once: dt^2 K + 2 dt C < 4 M.
 
-All contacts are taken as sticking, which is the stiffest case. A contact's stiffness and dashpot are its IPhys's kn and ks, cn and cs, in the plane or
-in space; torques that a law adds to its forces are left out. Needs no compiled module.
+All contacts are taken as sticking, which is the stiffest case. A contact's stiffness and dashpot are its IPhys's kn and ks, cn and cs, in the plane
+or in space; torques that a law adds to its forces are left out. Needs no compiled module.
 """
 import math
 
@@ -106,7 +106,8 @@ class Springs:
             kn, n, p = phys.kn, geom.normal, geom.contactPoint
             sticks = has[1] and not (has[4] and phys.tangensOfFrictionAngle == 0)
             found.append((contact.id1, contact.id2, kn, phys.ks if sticks else 0.0, phys.cn if has[2] else 0.0,
-                          phys.cs if has[3] and sticks else 0.0, n[0], n[1], n[2], geom.penetrationDepth, phys.shearForce.squaredNorm(), p[0], p[1], p[2]))
+                          phys.cs if has[3] and sticks else 0.0, n[0], n[1], n[2], geom.penetrationDepth, phys.shearForce.squaredNorm(),
+                          p[0], p[1], p[2]))
         table = np.array(found, float).reshape(-1, 14)
         self.ends = bodies.row[table[:, :2].astype(int)]
         self.kn, self.ks, self.cn, self.cs = table[:, 2:6].T

@@ -22,7 +22,7 @@ FIRST = 200  # steps to the second check; each interval is four times the last o
 SPRINGS, RIGID = 10_000, 1_000  # largest interval [steps]. A check costs as much as 40 to 100 steps of springs, or five of Contact Dynamics
 
 # Share of the kinetic energy of the stiffest bodies that alternates from step to step. In drums of 500 disks it is below 1e-3 at steps below the
-# limit, 0.002 to 0.01 at 1.03 times the limit, 0.03 to 0.1 at 1.2 times and 0.01 to 0.25 at twice the limit.
+# limit, mostly 0.002 to 0.01 at 1.05 times the limit, 0.03 to 0.1 at 1.2 times and 0.01 to 0.25 at 1.8 times.
 ALTERNATING = 0.01
 STILL = 1e-9  # radii: what moves less in a step may be round-off, which an unstable mode does not enlarge where positions cannot resolve it
 SAFETY = 0.9  # of a step that is recommended
@@ -103,8 +103,9 @@ class Watch:
         if alternates < ALTERNATING:
             return ""
         body = traces.argmax()
-        return (f"the time integration of the springs is unstable: {100 * alternates:.2g} % of the kinetic energy of {tight.sum()} bodies alternates from "
-                f"step to step. The stiffest is {bodies.name(body)} with {(bodies.owner[contacts.ends] == body).sum()} contacts and a mass of "
+        count = (bodies.owner[contacts.ends] == body).sum()
+        return (f"the time integration of the springs is unstable: {100 * alternates:.2g} % of the kinetic energy of {tight.sum()} bodies "
+                f"alternates from step to step. The stiffest is {bodies.name(body)} with {count} contacts and a mass of "
                 f"{bodies.mass[body]:.3g} kg")
 
     def _overlap(self, O, bodies, contacts):
@@ -258,8 +259,8 @@ def watch(every=None, observers=()):
     the energy. O.run(n, True), O.wait() and O.step() then raise `cd_engine.Unstable`, whose message says what happened, where, and which
     O.dt would do; a run in the background prints it and stops. The engine changes nothing in the motion.
 
-    every      largest number of steps between two checks, by default 10000 with springs and 1000 with ContactDynamics, which costs less than 1 % of
-               a run. The first checks follow each other faster
+    every      largest number of steps between two checks, by default 10000 with springs and 1000 with ContactDynamics, which costs about 1 % of a
+               long run. The first checks follow each other faster
     observers  labels of PyRunners that only look; beside any other PyRunner the energy is not checked, since it might push bodies
 
         O.engines += [cd_engine.watch()]

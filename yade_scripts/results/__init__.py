@@ -26,7 +26,8 @@ def make(folder, kind="results"):
 
 
 def ending(path):
-    """Return (status, commit) of the run in a file: 'finished', 'failed: reason' or 'unstable: reason', and the commit of its code; (None, '') without a file."""
+    """Return (status, commit) of the run in a file: 'finished', 'failed: reason' or 'unstable: reason', and the commit of its code; (None, '')
+    without a file."""
     if not os.path.lexists(path):
         return None, ""
     try:
