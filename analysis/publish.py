@@ -15,7 +15,7 @@ import pandas
 
 from analysis import observables, studies
 from yade_scripts import parameters
-from yade_scripts.results import provenance, sealed
+from yade_scripts.results import provenance, schema, sealed
 from yade_scripts.errors import ResultError
 
 STATUS = "status"
@@ -103,7 +103,7 @@ def origin(collection):
     """Return where the figure and the table come from, as plain data for JSON."""
     runs = collection.runs
     constant, varied = _split([parameters.read_by_method(run.parameters) for run in runs])
-    failed = [reason for _, _, reason in collection.missing if reason.startswith("failed")]
+    failed = [reason for _, _, reason in collection.missing if schema.has_failed(reason)]
     return {
         "extent": "full" if collection.full else "quick", "runs_finished": len(runs), "runs_failed": len(failed),
         "runs_missing": len(collection.missing) - len(failed), "runs_collapsed": sum(run.collapsed for run in runs),

@@ -5,7 +5,7 @@ O.pause() returns when the last step has ended (where the run's own stop is not 
 import inspect
 import time
 
-from . import engine_methods
+from . import engine_methods, watching
 
 # They take the scene away. YADE itself would crash if the thread of the run has not begun yet, and wait for ever if an engine of the run calls them.
 REPLACING = ("load", "loadTmp", "reload", "reset", "resetAllScenes", "resetCurrentScene", "resetThisScene", "stringToScene")
@@ -39,7 +39,8 @@ def install(plugin):
         check()
         plugin.take_error()
         try:
-            originals["step"](self)
+            with watching.awaited():
+                originals["step"](self)
         finally:
             plugin.settle()
             error = plugin.take_error()  # YADE itself raises it but for that of stopUnsolved
@@ -55,7 +56,8 @@ def install(plugin):
                                "waiting, which ends this run after n more steps, or leave it to the script")
         plugin.wait_begins()
         try:
-            original(self, *arguments)
+            with watching.awaited():
+                original(self, *arguments)
         finally:
             plugin.wait_ends()
             self.stopAtIter = plugin.former_stop(self.stopAtIter)
@@ -93,6 +95,7 @@ def install(plugin):
             if self.running:
                 pause(self)
             originals[name](self, *arguments, **keywords)
+            watching.forget()
             of_this_scene().rigid = False  # the scene is another one, of which nothing has run
         return replace
 

@@ -28,7 +28,17 @@ from yade_scripts.running import locks, plausible
 
 def start(folder=results.FOLDER, **row):
     """Build the scene of a row, ready for O.run(), without recording. Return the scenes.Scene."""
-    return scenes.build(parameters.complete(row), folder)
+    return _watched(scenes.build(parameters.complete(row), folder))
+
+
+def _watched(scene):
+    """Let the scene in O end its run when it is no longer physical."""
+    from yade import O
+
+    import cd_engine
+    from yade_scripts.running import hooks
+    O.engines = O.engines + [cd_engine.watch(observers=hooks.OBSERVERS)]
+    return scene
 
 
 def execute(row, folder=results.FOLDER, checkpoint_samples=None):
@@ -53,7 +63,7 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
     if failure is None:
         print(f"{path.resolve()}: finished")
         return 0
-    print(f"{path}: failed: {failure}", file=sys.stderr)
+    print(f"{path}: {results.status(path) or f'failed: {failure}'}", file=sys.stderr)
     if not isinstance(failure, RuntimeError):  # engines, preparation and checks raise RuntimeError; anything else is a bug
         traceback.print_exception(failure)
     return 1
@@ -61,10 +71,11 @@ def execute(row, folder=results.FOLDER, checkpoint_samples=None):
 
 def _run(path, full, folder, checkpoint_samples):
     """Build the scene, run it and record it. Return None or the exception that ended the run; the file names it, too."""
-    from yade_scripts.running import checkpoint, progress, recorder, wall_check
+    from cd_engine import watching
+    from yade_scripts.running import checkpoint, hooks, progress, recorder, wall_check
     scene, failure, collapse, show = scenes.Scene(every=1, samples=1), None, None, progress.Progress(path.stem)
     try:
-        scene = scenes.build(full, folder)
+        scene = _watched(scenes.build(full, folder))
     except (ParameterError, ImportError):
         raise
     except Exception as error:
@@ -86,6 +97,7 @@ def _run(path, full, folder, checkpoint_samples):
                 scenes.method(full).run(scene, lambda steps: checkpoints.simulate(steps, recorder))
             except wall_check.Collapse as event:
                 collapse = event
+            watching.of_scene(hooks.OBSERVERS).check()
             recorder.measure()
         except Exception as error:
             failure = error

@@ -11,6 +11,7 @@ from yade_scripts.measuring import maps, store
 from yade_scripts.parameters import ParameterError
 from yade_scripts.results import provenance
 from yade_scripts.results.reader import ResultError
+from cd_engine import springs
 from yade_scripts.theory import spring_limits
 from yade_scripts.measuring.maps import INACCURATE, Outcome, STABLE, Search, UNSTABLE
 
@@ -126,7 +127,7 @@ def test_limits_of_the_scheme_agree_with_its_recurrence():
         assert min(np.roots([1, -(2 - 2 * damping * s - s**2), 1 - 2 * damping * s]).real) == pytest.approx(-1, abs=1e-12)
         mass, stiffness = np.array([0.3]), sparse.csr_matrix([[50.0]])
         omega = math.sqrt(50 / 0.3)
-        dt = spring_limits.matrix_limit(mass, sparse.csr_matrix([[2 * damping * 0.3 * omega]]), stiffness)
+        dt = springs.matrix_limit(mass, sparse.csr_matrix([[2 * damping * 0.3 * omega]]), stiffness)
         assert omega * dt == pytest.approx(s, rel=2e-4)  # what matrix_limit bisects to
 
 

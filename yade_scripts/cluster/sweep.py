@@ -25,7 +25,6 @@ if __name__ == "__main__":
 
 from yade_scripts import batch, commands, parameters, results, tables
 from yade_scripts.cluster import slurm
-from yade_scripts.results import STATUS_FAILED
 
 SECONDS = 10  # between two looks at the queue
 
@@ -69,7 +68,7 @@ class Sweep:
         """Move the rows that have ended since the last call out of `open`."""
         there = set(os.listdir(self.options.results))
         ended = [job for job in self.open if job.path.name in there and _stamp(job.path) != self.stamps[job]]
-        self.failed += [job for job in ended if results.status(job.path).startswith(STATUS_FAILED)]
+        self.failed += [job for job in ended if results.has_failed(results.status(job.path))]
         self.open = [job for job in self.open if job not in ended]
 
     def run(self):

@@ -10,9 +10,9 @@ from yade_scripts import FOLDER
 from yade_scripts.errors import ParameterError, ResultError
 from yade_scripts.results import reader
 from yade_scripts.results.names import checkpoint_of, path_of
-from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED
+from yade_scripts.results.schema import STATUS_FAILED, STATUS_FINISHED, has_failed
 
-__all__ = ["FOLDER", "STATUS_FAILED", "STATUS_FINISHED", "checkpoint_of", "ending", "finished", "in_words", "make", "path_of", "status"]
+__all__ = ["FOLDER", "STATUS_FAILED", "STATUS_FINISHED", "checkpoint_of", "ending", "finished", "has_failed", "in_words", "make", "path_of", "status"]
 
 
 def make(folder, kind="results"):
@@ -26,7 +26,8 @@ def make(folder, kind="results"):
 
 
 def ending(path):
-    """Return (status, commit) of the run in a file: 'finished' or 'failed: reason', and the commit of its code; (None, '') without a file."""
+    """Return (status, commit) of the run in a file: 'finished', 'failed: reason' or 'unstable: reason', and the commit of its code; (None, '')
+    without a file."""
     if not os.path.lexists(path):
         return None, ""
     try:
@@ -37,7 +38,7 @@ def ending(path):
 
 
 def status(path):
-    """Return 'finished', 'failed: reason', or None where there is no file."""
+    """Return 'finished', 'failed: reason', 'unstable: reason', or None where there is no file."""
     return ending(path)[0]
 
 

@@ -85,7 +85,7 @@ class Run:
 
     @property
     def outcome(self):
-        """'completed', 'collapsed: ' and what was observed, or 'failed'."""
+        """'completed', 'collapsed: ' and what was observed, 'unstable: ' and the step that would do, or 'failed'."""
         return str(self.attributes["outcome"])
 
     @property

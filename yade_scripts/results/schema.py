@@ -15,8 +15,9 @@ import numpy as np
 SCHEMA_VERSION = 4
 METHODS = ("MD", "CD")
 STATUS_FINISHED = "finished"
-STATUS_FAILED = "failed: "  # followed by the reason
+STATUS_FAILED, STATUS_UNSTABLE = "failed: ", "unstable: "  # followed by the reason; of cd_engine.watch
 OUTCOME_COMPLETED, OUTCOME_FAILED = "completed", "failed"
+OUTCOME_UNSTABLE = "unstable: "  # followed by the step that would do
 OUTCOME_COLLAPSED = "collapsed: "  # followed by what was seen; the sample gave way, which is a result
 
 
@@ -85,6 +86,11 @@ KNOWN = _table(
 )
 
 
+def has_failed(status):
+    """Tell whether a run of this status has ended without a result."""
+    return status.startswith((STATUS_FAILED, STATUS_UNSTABLE))
+
+
 def relative_error(measured, exact, scale, deviation=0.0):
     """Return for a known number |measured - exact|/scale; if `exact` is a mean, the error is at least its standard deviation."""
     return max(abs(measured - exact), deviation) / scale
@@ -105,8 +111,8 @@ ROOT_ATTRIBUTES = _table(
     Field("yade_version", "", "version of YADE"),
     Field("seed", "1", "seed of the packing"),
     Field("finished", "", "True if the run reached its end"),
-    Field("status", "", "'finished' or 'failed: ' and the reason"),
-    Field("outcome", "", "'completed', 'collapsed: ' and what was seen, or 'failed'"),
+    Field("status", "", "'finished', or 'failed: ' or 'unstable: ' and the reason"),
+    Field("outcome", "", "'completed', 'collapsed: ' and what was seen, 'unstable: ' and the step that would do, or 'failed'"),
     Field("pressure", "Pa", "P0, the pressure before the loading"),
     Field("depth", "m", "length of the cylinders that the disks stand for, along z"),
 )

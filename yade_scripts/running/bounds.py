@@ -1,16 +1,15 @@
-"""Limits that no valid run exceeds; a run that does ends as failed, with the reason. Needs no YADE. For the walls' stress see wall_check.py.
+"""Limits of what only a row's samples know: errors of CD's solver, and the energies of a loaded box, where all work is known.
 
-The limits are checked at every sample. CD's engine keeps the largest error and overlap of all steps. Checking all disks of MD at every step would
-cost a fifth of its speed. A NaN does not vanish, so it is found at the next sample, and the message names the sample before.
+They are checked at every sample; a run that exceeds one ends. cd_engine/watching.py checks what any simulation shows, wall_check.py the walls'
+stress. CD's engine keeps the largest error of all steps. A NaN does not vanish, so it is found at the next sample, and the message names the one
+before.
 """
 import math
 
+from cd_engine import Unstable
 from yade_scripts import parameters
 from yade_scripts.results.schema import MAY_BE_UNDEFINED, OF_A_BOX
 
-# Largest overlap in mean radii; at more, disks are about to pass through each other. In the published runs it reaches 0.47 in flows, with springs
-# that are far too soft, and 0.45 with rigid contacts at a tolerance of 1e-2 (study many_disks).
-PENETRATION = 0.5
 # Error e at which the contact forces are wrong by their own size. A fixed number of sweeps promises no error (published: 0.17).
 RESIDUAL = 1.0
 # The next two limits are in units of P0 times the disks' area times depth. They apply to loaded boxes only, where all work is known.
@@ -35,18 +34,14 @@ class Bounds:
         area = full["disks"] * math.pi * full["radius_mean"]**2
         self.scale = parameters.pressure(full) * area * full["depth"]
 
-    def look(self, row, step, deepest):
-        """Raise OutOfBounds where the run has to end; row: all that a sample measures; deepest: largest overlap so far [m], in MD of this sample."""
+    def look(self, row, step):
+        """Raise OutOfBounds or Unstable where the run has to end; row: all that a sample measures."""
         where = f"step {step}, t = {row['time']:.6g} s"
         undefined = MAY_BE_UNDEFINED | (set() if self.loaded else OF_A_BOX)
         for name, value in row.items():
             if name not in undefined and not math.isfinite(value):
-                raise OutOfBounds(f"{where}: {name} is {value}, which arose between step {self.seen} and this one; lower md_dt_factor (MD) or cd_dt "
+                raise Unstable(f"{where}: {name} is {value}, which arose between step {self.seen} and this one; lower md_dt_factor (MD) or cd_dt "
                                   "(CD)")
-        if not deepest <= PENETRATION * self.full["radius_mean"]:
-            raise OutOfBounds(f"{where}: the largest overlap is {deepest / self.full['radius_mean']:.3g} mean radii, the limit {PENETRATION}; "
-                              f"it arose between step {self.seen} and this one. Bodies pass into each other; lower cd_dt or tolerance (CD), or "
-                              "pressure_ratio, speed or md_dt_factor (MD)")
         if self.full["method"] == "CD" and not self.full["fixed_iterations"] and row["residual_max"] > RESIDUAL:
             raise OutOfBounds(f"{where}: between step {self.seen} and this one the error e of the contact problem was {row['residual_max']:.3g}, the "
                               f"limit is {RESIDUAL:g}: its forces are no solution; lower cd_dt, raise max_iterations, or take another method_cd")
@@ -61,7 +56,7 @@ class Bounds:
             self.held = held
         gone = row["wall_work"] - (held - self.held)
         if gone < -CREATED * self.scale:
-            raise OutOfBounds(f"{where}: {-gone:.3g} J of energy were created, more than {CREATED} of {unit}; lower md_dt_factor (MD) or cd_dt (CD)")
+            raise Unstable(f"{where}: {-gone:.3g} J of energy were created, more than {CREATED} of {unit}; lower md_dt_factor (MD) or cd_dt (CD)")
         lost = gone - row["dissipated_energy"]
         if self.full["method"] == "CD" and abs(lost) > BALANCE * self.scale:
             raise OutOfBounds(f"{where}: the energy balance is off by {lost:.3g} J, more than {BALANCE} of {unit}: a force other than walls and "

@@ -8,7 +8,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
-from yade_scripts.running import bodies, md_step, walls
+from cd_engine import springs
+from yade_scripts.running import bodies, walls
 from yade_scripts.theory.statics import FREE_WALLS
 
 SOFT = 1e-15  # over the stiffest
@@ -16,12 +17,16 @@ SOFT = 1e-15  # over the stiffest
 
 def strain(stress):
     """Return gamma of the sample when sigma2 rises by `stress` [Pa] at constant sigma1."""
-    disks = [disk.id for disk in bodies.disks()]
-    column = {body: 3 * k for k, body in enumerate(disks + [wall for wall, _ in FREE_WALLS])}
-    free = [*range(3 * len(disks)), *(column[wall] + axis for wall, axis in FREE_WALLS)]  # x, y, rotation of each disk, then the two walls
-    matrix, load = md_step.stiffness_matrix(bodies.contacts(), column)[free][:, free], np.zeros(len(free))
-    load[-1] = -stress * walls.areas()[1]
+    found = springs.springs()
+    free = np.zeros_like(found.bodies.free)
+    free[np.ix_(found.bodies.row[[disk.id for disk in bodies.disks()]], (0, 1, 5))] = True
+    for wall, axis in FREE_WALLS:
+        free[found.bodies.row[wall], axis] = True
+    (x_wall, _), (y_wall, _) = FREE_WALLS
+    place = [int(np.flatnonzero(np.nonzero(free)[0] == found.bodies.row[wall])[0]) for wall in (x_wall, y_wall)]
+    matrix, load = found.stiffness(free), np.zeros(int(free.sum()))
+    load[place[1]] = -stress * walls.areas()[1]
     # Disks without contacts are held by springs that are too soft to matter: they change the strain of 60 to 960 disks by less than 1e-9 of it.
     displacement = linalg.spsolve((matrix + SOFT * matrix.max() * sparse.identity(len(load))).tocsc(), load)
     x, y = walls.sides()
-    return displacement[-1] / y - displacement[-2] / x
+    return displacement[place[1]] / y - displacement[place[0]] / x

@@ -10,7 +10,7 @@ from yade import O
 from yade.wrapper import PyRunner
 
 # Labels of the engines that only record, check, sum energies, or measure known quantities. The other engines make the simulation.
-SAMPLING, SUMMING, MEASURING = "sampling", "summing", "measuring"
+SAMPLING, SUMMING, MEASURING, TIMING = OBSERVERS = "sampling", "summing", "measuring", "timing"
 
 _functions = []
 _observing = 0.0  # processor time [s] that samples and measurements have taken since the program started

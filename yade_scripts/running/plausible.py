@@ -5,6 +5,7 @@ A warning does not stop the run.
 import math
 
 from yade_scripts import parameters
+from yade_scripts.theory import spring_limits
 
 # Name: (least, most, hint). The ranges cover grains from dust to boulders, solids and foams, and gravity from asteroids to centrifuges.
 USUAL = {
@@ -30,6 +31,9 @@ def doubts(full):
         if full["period"] < BLOW * grain:
             found.append(f"period = {full['period']:g} s is {full['period'] / grain:.2g} times the {grain:.2g} s in which P0 moves a grain by its "
                          f"size: the load acts like an impact; use at least {BLOW * grain:.2g} s")
+    if full["method"] == "MD" and full["md_dt_factor"] > (limit := spring_limits.oscillator_limit(full["beta_n"] * full["damping_factor"])):
+        found.append(f"md_dt_factor = {full['md_dt_factor']:g} is above {limit:.2g}, the limit of a single contact of such damping: impacts are "
+                     "wrong")
     if full["method"] == "CD":
         interval, usual = full["period"] / full["records_per_cycle"], parameters.defaults(full["scene"])
         if full["cd_dt"] != usual["cd_dt"] and full["cd_dt"] > interval:

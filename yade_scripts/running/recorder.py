@@ -14,14 +14,16 @@ import h5py
 import numpy as np
 from yade import O, config, utils
 
+import cd_engine
 from yade_scripts import parameters
 from yade_scripts.results import reader, schema, sealed
-from yade_scripts.running import bodies, hooks, md, md_step, observe, walls
+from yade_scripts.running import bodies, hooks, md, observe, walls
 from yade_scripts.running.bounds import Bounds
 from yade_scripts.results.provenance import git_commit
 from yade_scripts.running.sums import total
 from yade_scripts.running.wall_check import Collapse, LoadCheck
 
+SAFE = 0.25  # md_dt_factor that is stable for every packing, see measuring/maps/md_packing.py
 SECONDS = 30  # between two writes of the unfinished file, for those who want to look
 
 
@@ -35,6 +37,25 @@ def _called(what, function):
         return function()
     except Exception as error:
         raise ValueError(f"{what}: {type(error).__name__}: {error}") from error
+
+
+def _ending(full, failure, collapse):
+    """Return outcome and status of a run that these exceptions, or None, have ended."""
+    if failure is None:
+        return schema.OUTCOME_COMPLETED if collapse is None else f"{schema.OUTCOME_COLLAPSED}{collapse}", schema.STATUS_FINISHED
+    if isinstance(failure, cd_engine.Unstable):
+        return f"{schema.OUTCOME_UNSTABLE}{remedy(full, failure)}", f"{schema.STATUS_UNSTABLE}{failure}"
+    return schema.OUTCOME_FAILED, f"{schema.STATUS_FAILED}{failure}"
+
+
+def remedy(full, failure):
+    """Return what to change in the row of a run that an Unstable has ended."""
+    name = "md_dt_factor" if full["method"] == "MD" else "cd_dt"
+    if failure.step:
+        return f"{name} = {full[name]:g} is too long, {full[name] * failure.step / O.dt:.2g} would do"
+    if full["method"] == "MD" and full[name] > SAFE:
+        return f"{name} = {full[name]:g} is too long, {SAFE} would do"
+    return f"use a smaller {name} than {full[name]:g}, or " + ("stiffer springs" if full["method"] == "MD" else "a smaller tolerance")
 
 
 class Recorder:
@@ -89,10 +110,8 @@ class Recorder:
         return tuple(before + now - start for before, now, start in zip(self.seconds, _clocks(), self.started))
 
     def sample(self):
-        """Write one row of the history, at some samples a snapshot. Raise Collapse, StressError or OutOfBounds where the run has to end."""
+        """Write one row of the history, at some samples a snapshot. Raise Collapse, StressError, OutOfBounds or Unstable where the run has to end."""
         elapsed = self._elapsed()
-        if self.count == 0 and self.full["method"] == "MD":
-            md_step.check(self.full)  # of contacts that a scene begins with; those of loaded packings were checked before
         row = self._measure() | dict(zip(("wall_clock", "processor_time"), elapsed))
         self.rows.append([row[name] for name in self.names])
         if self.count in self.scene.snapshots:
@@ -102,7 +121,7 @@ class Recorder:
             sealed.write(self.partial, self.image())
             self.written = time.monotonic()
         self.progress((self.count - 1) / self.scene.samples)
-        self.bounds.look(row, O.iter, row["max_penetration"] if self.full["method"] == "MD" else hooks.engine("ContactDynamics").deepestPenetration)
+        self.bounds.look(row, O.iter)
         try:
             if self.scene.load is not None:
                 self.load_check.look(row)
@@ -175,10 +194,8 @@ class Recorder:
 
     def close(self, failure=None, collapse=None):
         """End the file with its status; failure, collapse: the exception that ended the run. Return its known numbers, {name: reader.Known}."""
-        ended = schema.OUTCOME_COMPLETED if collapse is None else f"{schema.OUTCOME_COLLAPSED}{collapse}"
-        self.file.attrs["outcome"] = ended if failure is None else schema.OUTCOME_FAILED
+        self.file.attrs["outcome"], self.file.attrs["status"] = _ending(self.full, failure, collapse)
         self.file.attrs["finished"] = failure is None
-        self.file.attrs["status"] = schema.STATUS_FINISHED if failure is None else f"{schema.STATUS_FAILED}{failure}"
         known = reader.known(self.file)
         self.image()
         self.file.close()

@@ -6,7 +6,7 @@ import random
 from yade import O, Quaternion, utils
 
 from yade_scripts import parameters
-from yade_scripts.running import bodies, deposit, md, md_step, walls
+from yade_scripts.running import bodies, deposit, md, walls
 from yade_scripts.scenes import Scene, method
 
 
@@ -77,8 +77,6 @@ def load_walls(full, scene, goals):
     if full["method"] == "CD" or full["md_walls"] == "force":
         walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
     _damp(full)
-    if full["method"] == "MD":
-        md_step.check(full)
     method(full).set_engines(full, scene, goals)
 
 

@@ -3,6 +3,7 @@ import time
 
 from yade import O
 
+from cd_engine import watching
 from yade_scripts import scenes
 from yade_scripts.running import hooks, md, walls
 
@@ -17,7 +18,8 @@ def measures():
 def run(scene, full, *also, without=RECORDING):
     """Run the scene in O. Return the processor time [s] from the start of its first step to the end of its last.
 
-    also: further engines, put first. without: labels of runners to leave out. A loaded sample ends when it collapses, as in a recorded run.
+    also: further engines, put first. without: labels of runners to leave out. A loaded sample ends when it collapses, as in a recorded run. Raise
+    Unstable if the scene is not physical at its end.
     """
     steps, moments = scene.every * scene.samples + (full["method"] == "MD"), []
 
@@ -34,11 +36,14 @@ def run(scene, full, *also, without=RECORDING):
                 clock()
                 hooks.stop()
 
-        also += (hooks.runner(look, iterPeriod=scene.every),)
+        also += (hooks.runner(look, iterPeriod=scene.every, label=hooks.TIMING),)
     simulation = [engine for engine in O.engines if engine.label not in without]
-    O.engines = [hooks.runner(clock, nDo=1, initRun=True, iterPeriod=1), *also, *simulation,
-                 hooks.runner(clock, iterPeriod=max(1, steps - 1), initRun=steps == 1)]
+    O.engines = [hooks.runner(clock, nDo=1, initRun=True, iterPeriod=1, label=hooks.TIMING), *also, *simulation,
+                 hooks.runner(clock, iterPeriod=max(1, steps - 1), initRun=steps == 1, label=hooks.TIMING)]
+    watch = watching.Watch(hooks.OBSERVERS)
+    watch.check()
     scenes.method(full).run(scene)
+    watch.check()
     if len(moments) < 2:
         raise RuntimeError(f"the run ended after {O.iter} of {steps} steps, so its time is unknown")
     return moments[-1] - moments[0]

@@ -8,10 +8,11 @@ import traceback
 
 from yade import O
 
+import cd_engine
 from yade_scripts import accuracy, parameters, scenes
 from yade_scripts.errors import ParameterError
 from yade_scripts.measuring import charts, store
-from yade_scripts.results.schema import STATUS_FAILED
+from yade_scripts.results.schema import STATUS_FAILED, STATUS_UNSTABLE
 from yade_scripts.running import bodies, hooks, timing
 
 LEAST, MOST = 3, 9     # repeats
@@ -41,7 +42,8 @@ def measure(row, folder, limit, allow):
     except Exception as error:
         if not isinstance(error, (RuntimeError, ValueError, ArithmeticError)):
             traceback.print_exception(error)
-        return facts | {"status": STATUS_FAILED + (str(error).splitlines() or [type(error).__name__])[0], "seconds": seconds}, []
+        kind = STATUS_UNSTABLE if isinstance(error, cd_engine.Unstable) else STATUS_FAILED
+        return facts | {"status": kind + (str(error).splitlines() or [type(error).__name__])[0], "seconds": seconds}, []
     error = charts.error(known)
     facts |= {"status": charts.status(known), "error": error if math.isfinite(error) else None, "seconds": seconds, "steps": O.iter,
               "disks": sum(b.state.blockedDOFs != "xyzXYZ" for b in bodies.disks()) or len(bodies.disks())}
