@@ -109,8 +109,8 @@ py::tuple solved(System& system, Solver* solver, const std::string& method, cd::
 		looks.append(look.iterations);
 		looks.append(look.error);
 	}
-	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status),
-	    report.contact, cd::solvedBy(method, report), seconds, looks);
+	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status), report.contact,
+	    cd::solvedBy(method, report), seconds, looks);
 }
 
 // Returns the impulses, and what `solved` does. threads: for bodies, of which there are seven arrays.
