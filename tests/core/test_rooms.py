@@ -4,7 +4,7 @@ import re
 
 ENGINE = pathlib.Path(__file__).parents[2] / "cd_engine"
 CORE = ENGINE / "core"
-ROOMS = re.findall(r"^\| `(\w+)` \|", (CORE / "README.md").read_text(), re.M)
+ROOMS = re.findall(r"^\| `([a-z]+)` \|", (CORE / "README.md").read_text(), re.M)
 
 
 def included(path):
