@@ -29,8 +29,7 @@ namespace {
 	// The normal relative velocity of a contact for three numbers a body.
 	double normalVelocity(const ContactRow& c, const std::vector<double>& v)
 	{
-		const double *a = &v[3 * c.a], *b = &v[3 * c.b];
-		return c.nx * (b[0] - a[0]) + c.ny * (b[1] - a[1]) + c.bn * b[2] - c.an * a[2];
+		return relativeVelocity<false>(c, motionOf(&v[3 * c.a]), motionOf(&v[3 * c.b])).n;
 	}
 
 	// The velocities at which blocked freedoms move as they do, and all others along with `boundary` as one rigid body; -1: they rest.

@@ -70,8 +70,7 @@ Resolution resolution(const ContactSystem& s, const std::vector<double>& freeVel
 			continue;
 		double un, ut;
 		relativeVelocity(c, s.bodies[c.a], s.bodies[c.b], un, ut);
-		const double *a = &freeVelocity[3 * c.a], *b = &freeVelocity[3 * c.b];
-		const double free = c.nx * (b[0] - a[0]) + c.ny * (b[1] - a[1]) + c.bn * b[2] - c.an * a[2];
+		const double free = relativeVelocity<false>(c, motionOf(&freeVelocity[3 * c.a]), motionOf(&freeVelocity[3 * c.b])).n;
 		const double *va = s.bodies[c.a].v, *vb = s.bodies[c.b].v;
 		const double terms
 		    = std::abs(va[0]) + std::abs(va[1]) + std::abs(vb[0]) + std::abs(vb[1]) + std::abs(c.an * va[2]) + std::abs(c.bn * vb[2]);
