@@ -10,10 +10,9 @@ from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
-TITLE = "The isostatic limit: rigid grains whose contact forces are nearly unique"
-QUESTION = ("Do rigid grains rest under a changed load because many force networks can balance it? As P0/k_n goes to zero, a packing without "
-            "friction has only one network left. Do rigid grains then strain as far as very stiff springs, and do they still rest with friction?")
-ORDER = 8  # in the report
+TITLE = "Do rigid grains rest because their forces are undetermined?"
+QUESTION = "Packings without friction, whose forces become unique as P0/k_n goes to zero, against packings with friction."
+ORDER = 6.5  # in the report
 LOADING = dict(loading="triangle", period=1.0, wall_mass_ratio=1.0)
 LOAD, SMALLER = 0.02, 0.005  # over P0; the smaller one is below the static limits of all packings
 METHODS = (dict(method="MD", md_dt_factor=0.3, md_walls="force", **LOADING), dict(method="CD", tolerance=1e-9, **LOADING))
@@ -75,7 +74,7 @@ def draw(runs, rows, path):
                      label=rf"$\mu$ = {friction:g}")
     axes[-1].set(xscale="log", xlabel="$P_0/k_n$", ylabel="degree of force indeterminacy per disk", ylim=(0, None))
     axes[-1].legend()
-    style.finish(fig, path, r"A cycle of 0.02 $P_0$ from the same packings; grey lines join both methods on one packing.",
+    style.finish(fig, path, "A cycle of 0.02 P0 from the same packings; grey lines join both methods on one packing.",
                  [run for run in runs if run.parameters["delta_sigma"] == LOAD] or runs)
 
 
