@@ -125,10 +125,11 @@ def causes():
 
 
 def findings():
-    """Return what README's findings say, as stored: the definitions before them, and [(text, [study whose figure it links to])]."""
+    """Return what README's findings say, as stored: the definitions before them, and [(text, [(words, study whose figure they link to)])]."""
     stored = README.read_text(encoding="utf-8").split("<!-- findings: begin -->")[1].split("<!-- findings: end -->")[0]
     words, items = (" ".join(part.split()) for part in stored.split("\n\n"))
-    return words, [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)]
+    link = r"\[([^]]+)\]\(\S+?(\w+)\.png\)"
+    return words, [(re.sub(rf" {link}", "", item), re.findall(link, item)) for item in re.split(r"(?:^| )- (?=\*\*)", items)[1:]]
 
 
 def committed():

@@ -1,4 +1,4 @@
-"""Fig. 3 under three tangential laws: does ratcheting come from the energy that the standard spring creates along closed paths?"""
+"""Fig. 3 under three tangential laws: does the strain a cycle come from the energy that the standard spring creates along closed paths?"""
 import numpy as np
 import pandas
 
@@ -14,7 +14,7 @@ ORDER = 3.6  # in the report
 LAWS = ("standard", "avoid_ratcheting", "path_independent")
 # The dense packings of fig3; some at ten times the pressure, where the work that the standard spring makes along closed paths, of the order of
 # (dSigma P0/k_n)^2 a cycle, is some fifty times larger.
-SLOW = 2.0  # s: cycles of 0.5 s are short for springs of k_n (study of ratcheting)
+SLOW = 2.0  # s: cycles of 0.5 s are short for springs of k_n (study of later cycles)
 ROWS = {"quick": product(tangential_law=LAWS, cycles=10, delta_sigma=0.4, **SPRINGS),
         "full": product(tangential_law=LAWS, cycles=40, delta_sigma=(0.4, 0.5), seed=range(1, 7), **SPRINGS)
         + product(tangential_law=LAWS[::2], cycles=20, delta_sigma=0.4, seed=range(1, 7), **SPRINGS | dict(period=SLOW))

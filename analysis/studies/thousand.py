@@ -12,7 +12,7 @@ QUESTION = "Three packings under dSigma = 0.4, under two tangential laws and wit
 ORDER = 3.2  # in the report
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 625, 750, 875, 1000)  # last cycles of the windows
 BASE = SPRINGS | dict(delta_sigma=0.4)
-SLOW = dict(period=2.0)  # 0.5 s is short for springs of k_n (study of ratcheting)
+SLOW = dict(period=2.0)  # 0.5 s is short for springs of k_n (study of later cycles)
 LINES = "-", "--", ":"  # of the packings
 LOOK = {("standard", SPRINGS["period"]): (style.INK, "standard law"),  # colours of the laws as in their study
         ("path_independent", SPRINGS["period"]): (style.PINK, "path-independent law"),
