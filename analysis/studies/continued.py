@@ -90,8 +90,6 @@ def quantities(table):
     moving = springs[(springs[half] == STRAINS) & (springs[whole] == STRAINS)]
     change = (moving["rate of all"] / moving["rate of half"]).abs()
     quiet, rests = (rows[rows[whole] == RESTS] for rows in (springs, rigid))
-    work = springs["work of slip over friction's, last unloading"].dropna()
-    away = springs.loc[work.idxmin()]
     never, slipped = rests[rests[first] < 1e-6], rests[rests[first] >= 1e-6]
     assert (other["preparation friction"] > 0).all() and (rest.method == "CD").all() and falls["collapses after"].between(40, 54).all()
     assert (low[whole] != COLLAPSES).all() and (quiet["preparation friction"] == 0).all() and len(falls) == len(quiet) == 3

@@ -133,9 +133,7 @@ def quantities(table):
     same = cd.set_index(packing).loc[several.idxmax()]  # one packing, from the most networks
     own = cd[cd.network == 0]  # one run a packing, from the springs' own forces
     alike = own[own["preparation mu"] == same.index[0][0]]
-    over = {level: cd[f"load at {level}"] / cd["limit load"] for level in ("1e-05", "0.0001", "0.001")}
+    over = cd["load at 0.0001"] / cd["limit load"]
     apart, end = cd["networks apart at start"].dropna(), cd["networks apart at end"].dropna()
-    networks = pandas.concat([rows for _, rows in cd.groupby(packing) if len(rows) > 1])  # of packings that have several
-    by_packing = networks.groupby(packing)["load at 0.0001"]
     assert not cd["unconverged before"].any() and (several[several < several.max()] == 1).all()
     return locals()

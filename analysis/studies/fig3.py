@@ -138,18 +138,11 @@ def quantities(table):
     within, severe = ({name: rows[rows.ratio.between(*both)].falls for name, rows in (("md", md), ("cd", cd))} for both in ((1.55, 1.75), (1.79, 9)))
     pairs = md.merge(cd, on=case, suffixes=(" MD", " CD"))
     below, above = pairs[pairs["load over limit MD"] < 1], pairs[pairs["load over limit MD"] > 1]
-    breaks = pairs[pairs[f"{after} MD"] <= COMPARED]
-    times, long = (breaks[f"{after} CD"] / breaks[f"{after} MD"]).fillna(np.inf), breaks[f"{after} MD"] > 3  # infinite where CD stands
-    both_long = np.sqrt(times.clip(upper=1e9)) * breaks[f"{after} MD"] > 3
-    by_load = times.groupby([breaks["stress path"], breaks.dSigma]).median()[lambda rows: np.isfinite(rows)]
-    errors, standing = table["stress error/P0"], ~table.falls & (table[load] > 1)
+    errors = table["stress error/P0"]
     quiet = md[~md.falls & (md[load] < 1)]
     slows = quiet[quiet["late rate"].abs() > 1e-6][quarter]
-    mild, slow, severest = (constant[constant.dSigma == several] for several in (0.3, 0.4, 0.8))
+    slow, severest = (constant[constant.dSigma == several] for several in (0.4, 0.8))
     detour, fails = at[0.3][after] / severest[after], held[held.dSigma.isin((0.4, 0.5))][after]
-    steps = cd[after].fillna(cd.cycles) * LOADING["period"] / RIGID["cd_dt"]
-    rate, packings = f"rate of cycles {COMPARED // 2 + 1} to {COMPARED}", lambda rows: rows.groupby(["preparation friction", "seed"]).ngroups
-    rates_below, rates_above = (rows.dropna(subset=[f"{rate} MD", f"{rate} CD"]) for rows in (below, above))
     assert not gentle.falls.any() and not low.falls.any() and not at[0.2].falls.any() and not (above["falls CD"] & ~above["falls MD"]).any()
     assert all(at[several].falls.all() for several in (0.3, 0.4, 0.5)) and len(alike) == len(loosely) == 5
     return locals()

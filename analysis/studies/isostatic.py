@@ -79,15 +79,14 @@ def draw(runs, rows, path):
 
 
 def quantities(table):
-    cd, md, kept_cd, kept_md = (f"{what} |gamma|, {method}" for what in ("largest", "remaining") for method in ("CD", "MD"))
+    cd, md = (f"largest |gamma|, {method}" for method in ("CD", "MD"))
     small, table = table[table.dSigma == SMALLER], table[table.dSigma == LOAD]
     smooth, rough = table[table.friction == 0], table[table.friction > 0]
     soft, hard = (smooth[smooth["P0/k_n"] == end] for end in (smooth["P0/k_n"].max(), smooth["P0/k_n"].min()))
     carried = smooth["static limit"] > 1 + LOAD
     rests, strains = smooth[carried], smooth[~carried]
-    harder, softer = ((own[cd] / own[md]) for _, own in strains.groupby("P0/k_n"))
-    keeps = strains.seed == strains.seed[strains[kept_md].idxmax()]  # the packing that keeps most
-    kept, others = strains[keeps][[kept_cd, kept_md]].stack(), strains[~keeps]
+    hardest = strains[strains["P0/k_n"] == strains["P0/k_n"].min()]
+    harder = hardest[cd] / hardest[md]
     power = [np.polyfit(np.log(part["P0/k_n"]), np.log(part[md]), 1)[0] for _, part in rough.groupby("seed")]
     assert (small["static limit"] > 1 + SMALLER).all() and not table["unsolved steps"].any() and smooth["P0/k_n"].nunique() == 4
     return locals() | {"power": pandas.Series(power)}

@@ -64,10 +64,9 @@ def draw(runs, rows, path):
 def quantities(table):
     usual, pressed, slow = (dict(list(part.groupby("law"))) for part in (
         table[(table["P0/k_n"] < 1e-3) & (table.period < SLOW)], table[table["P0/k_n"] > 1e-3], table[table.period == SLOW]))
-    avoids, free, near = (usual[law][usual[law].dSigma == load] for law, load in ((LAWS[1], 0.4), (LAWS[2], 0.4), (LAWS[2], 0.5)))
+    free = usual[LAWS[2]][usual[LAWS[2]].dSigma == 0.4]
     first, strain, late = (f"{name} over standard" for name in ("first cycle", "strain", "late rate"))
     slowly, soft = slow[LAWS[2]], pressed[LAWS[2]]
-    rates = table[(table["P0/k_n"] < 1e-3) & table.law.isin(LAWS[::2]) & (table.dSigma == 0.4)]["late rate"].abs()
     beyond = table[(table.dSigma == 0.5) & (table.law != LAWS[0])][strain]
     errors = table["balance error"].abs().groupby(table.law).agg(["min", "max"])
     far, whole = soft[[first, strain]].stack(), pandas.concat(pressed)["late rate"].abs()

@@ -115,14 +115,11 @@ def quantities(table):
         return settings.loc[(setting["cd_dt"], setting["tolerance"], gap) if setting["method"] == "CD" else
                             (setting["md_dt_factor"], setting["kn"], 0.0)]
 
-    same, fine, coarser, middle, harder, stiff, proposed, longest = map(of, (
-        flow_costs.FINEST, flow_costs.FINE, flow_costs.COARSER, flow_costs.MIDDLE, flow_costs.HARDER, flow_costs.STIFF, flow_costs.PROPOSED,
-        flow_costs.COARSEST))
+    fine, coarser, middle, harder, stiff, longest = map(of, (
+        flow_costs.FINE, flow_costs.COARSER, flow_costs.MIDDLE, flow_costs.HARDER, flow_costs.STIFF, flow_costs.COARSEST))
     rough, soft = pandas.DataFrame([fine, coarser]), pandas.DataFrame([middle, harder, stiff])
-    alike = pandas.DataFrame([same, fine, coarser, middle, harder, stiff])
     corrected, longest_rough = of(flow_costs.COARSE, 0.1), of(flow_costs.COARSEST | {"tolerance": 1e-2})
     chances = table.p.dropna().sort_values().to_numpy()
     holm = np.maximum.accumulate(chances * np.arange(len(chances), 0, -1))
-    slower_error = np.hypot(corrected.surface_deviation, rigid.surface_deviation) / rigid.surface
     assert list(chances[:3]) == [corrected.p, *sorted([longest.p, longest_rough.p])] and chances[2] < 0.01
     return locals()

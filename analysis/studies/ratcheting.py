@@ -116,17 +116,17 @@ def quantities(table):
     powers["same"] = {what: _same_load(lower, what) for what in (rate, first)}
     slows = springs["last quarter's rate over the one before"]
     table = table[table.dSigma == LOAD]
-    loose, rigid, solved = (table[table.tolerance == tolerance] for tolerance in (LOOSER, RIGID["tolerance"], SOLVED))
+    rigid, solved = (table[table.tolerance == tolerance] for tolerance in (RIGID["tolerance"], SOLVED))
     rests, near, beyond = rigid[rigid[load] < 0.98], rigid[rigid[load].between(0.98, 1)], rigid[rigid[load] > 1]
-    yields, usual = near[near[end].abs() > 1e-5], [own[own[stiffer] == 1] for own in (loose, rigid)]
+    yields = near[near[end].abs() > 1e-5]
     md, mine = slow(table).set_index(packing), table[table.method == "MD"]
     over = lambda period, k: mine[(mine.period == period) & (mine[stiffer] == k)].set_index(packing)[[first, rate]] / md.loc[[k], [first, rate]]
     hasty, slower = over(SPRINGS["period"], 1).dropna(), over(PERIODS[1], 10).dropna()
     pairs = beyond.merge(md, on=packing, suffixes=("", " MD")).set_index(stiffer)
-    ratio, later = (pairs[f"{name} MD"] / pairs[name] for name in (first, end))
+    ratio = pairs[f"{first} MD"] / pairs[first]
     both = rigid.merge(md.reset_index(), on=packing, suffixes=("", " MD"))
     under = both[both[load] < 0.98]
-    rigid_late, rigid_first = (under[f"{name}"].abs() / under[f"{name} MD"].abs() for name in (rate, first))
+    rigid_late = under[rate].abs() / under[f"{rate} MD"].abs()
     assert not solved["unsolved steps"].astype(float).any() and (springs[rate] > springs["rate error"]).all()
     assert list(ratio.index.value_counts()[[10, 100]]) == [1, 3] and (beyond["limit at the last load"] > 1 + LOAD).all()
     return locals()

@@ -81,6 +81,5 @@ def draw(runs, rows, path):
 def quantities(table):
     sizes = dict(list(table.groupby("disks")))
     md, cd = (f"yields over the limit at, {method}" for method in style.MARKER)
-    low = {disks: part[part["load over limit of the cycles"] < 0.9].rate for disks, part in sizes.items()}
-    ratio, spread = (table[cd] / table[md]).groupby(table.disks).median(), table.groupby("disks")[[md, cd]].std()
-    return locals() | {"limit": {disks: part["static limit"] for disks, part in sizes.items()}, "largest": sizes[6400].iloc[0]}
+    ratio = (table[cd] / table[md]).groupby(table.disks).median()
+    return locals() | {"limit": {disks: part["static limit"] for disks, part in sizes.items()}}

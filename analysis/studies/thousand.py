@@ -81,5 +81,5 @@ def quantities(table):
     end = [875, 1000]  # the last two windows, 250 cycles
     last, errors = [own.rate[end].mean() for own in fast], [np.hypot(*own["rate error"][end]) / 2 for own in fast]
     late = [_late(own, usual) for own, usual in zip(free, fast)]
-    alike, single = pandas.concat([own["|gamma|"] / usual["|gamma|"] for own, usual in zip(free, fast)]), [own["median cycle"][1000] for own in fast]
+    alike = pandas.concat([own["|gamma|"] / usual["|gamma|"] for own, usual in zip(free, fast)])
     return locals()

@@ -59,7 +59,7 @@ def test_the_colours_of_a_picture_survive_on_the_page(name):
     for colour in style.COLOUR.values():
         target = [int(colour[place:place + 2], 16) for place in (1, 3, 5)]
         pixels = np.abs(np.asarray(full, dtype=int) - target).max(axis=2) <= 2
-        assert pixels.sum() > 30 or name == "force_networks"  # there MD has two crosses only
+        assert pixels.sum() > 15 or name == "force_networks"  # there MD has two crosses only
         assert (np.abs(shown[pixels] - target) <= 16).all()
 
 
