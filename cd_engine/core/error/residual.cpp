@@ -49,9 +49,9 @@ namespace {
 
 Miss<double> missOf(const ContactRow& c, double compliance, const Motion<double>& a, const Motion<double>& b, double acts)
 {
-	Components<double> u = relativeVelocity<false>(c, a, b);
-	u.n += c.bias;
-	return missOf<double>(impulseOf(c), u, frictionOf(c), compliance, sizeOf(c, c.bias, a, b), acts);
+	const Components<double> p = impulseOf(c), u = inLaw(c, relativeVelocity<false>(c, a, b), p);
+	const double size = sizeOf(c, c.bias, a, b) + (c.compliant() ? sizeOf(springOf(c), p) : 0);
+	return missOf<double>(p, u, frictionOf(c), compliance, size, acts);
 }
 
 void ResidualSum::addUnderHeavy(double velocity, double s)
@@ -158,9 +158,10 @@ void addResiduals(const ContactSystem& system, const std::vector<double>& freeVe
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		const ContactRow& c = system.contacts[i];
 		const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
-		const double compliance = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
-		if (islandOf[i] < 0 || ContactRow::held(compliance, c.freedom(ma, mb)))
+		const double wnn = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
+		if (islandOf[i] < 0 || ContactRow::held(wnn, c.freedom(ma, mb)))
 			continue; // nothing can move along n
+		const double compliance = wnn + c.cn;
 		ResidualSum& sum = sums[islandOf[i]];
 		const Miss<double> miss = missOf(c, compliance, moved[c.a].v, moved[c.b].v, moved[c.a].s + moved[c.b].s);
 		sum.addContact(miss, impulseOf(c), compliance);

@@ -5,6 +5,7 @@
 //
 // The error e of the contacts: how far the impulses are from the contact law, relative to all impulses.
 //   e = ||p - P_K(p - (u + bias n + mu |u_t| n)/W_nn)||_2 / ||p||_2
+// With stiffnesses, W + C takes the place of W_nn and u has what the springs yield (contact_system.hpp).
 // K is Coulomb's cone, P_K the Euclidean projection on it; mu |u_t| n is De Saxce's term, which makes the zero of this error the exact,
 // non-associated Coulomb law with Signorini's condition (Acary, Bremond & Huber 2018, hal-01630836, section 2).
 //
@@ -89,7 +90,7 @@ struct ResidualSum {
 	Residual of() const;
 };
 
-// How far a contact misses its law at the velocities a, b of its bodies; acts: what acts on both [m/s].
+// How far a contact misses its law at the velocities a, b of its bodies; compliance: W_nn + C_n; acts: what acts on both [m/s].
 Miss<double> missOf(const ContactRow&, double compliance, const Motion<double>& a, const Motion<double>& b, double acts);
 
 // Calls f(light, heavy) for all touching bodies of which one is ten times heavier, if something passes through their contact.

@@ -20,6 +20,7 @@ struct IslandPart {
 		system.bodies.clear();
 		system.places.clear();
 		system.contacts.clear();
+		system.contacts.compliant = whole.contacts.compliant;
 		freeVelocity.clear();
 		bodies.clear();
 		contacts.clear();

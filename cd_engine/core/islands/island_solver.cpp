@@ -32,9 +32,8 @@ namespace {
 	// The impulses of a contact that no other contact influences.
 	Components<double> solveAlone(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B)
 	{
-		double un, ut;
-		relativeVelocity(c, A, B, un, ut);
-		return solveContact(c, { un + c.bias, ut }, { -0., -0. }); // 0 - 0 would lose the sign of a zero
+		const Components<double> none = { -0., -0. }; // 0 - 0 would lose the sign of a zero
+		return solveContact(c, inLaw(c, relativeVelocity<false>(c, motionOf(A.v), motionOf(B.v)), none), none);
 	}
 
 } // namespace
@@ -82,7 +81,7 @@ void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 		setImpulse(c, p);
 		lone.contacts++;
 		lone.square += dot(p, p);
-		lone.squareEnergy += c.wnn * dot(p, p);
+		lone.squareEnergy += c.nn() * dot(p, p);
 	}
 }
 
@@ -95,7 +94,7 @@ bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, doubl
 	for (const ContactRow& c : system.contacts) {
 		const double square = c.pn * c.pn + c.pt * c.pt;
 		all.square += square;
-		all.squareEnergy += c.wnn * square;
+		all.squareEnergy += c.nn() * square;
 	}
 	const double share = std::max(lone.square / all.square, lone.squareEnergy / all.squareEnergy);
 	return error <= tolerance * std::sqrt(1 - share);

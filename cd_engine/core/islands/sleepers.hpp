@@ -31,6 +31,7 @@ struct SleepingIsland {
 	int contacts = 0, loaded = 0, sliding = 0;
 	double deepest = 0; // overlap beyond the reference one [m]
 	Cause disturbed; // the first thing in it that has changed
+	double stored = 0; // energy of its springs [J]
 
 	bool operator<(const SleepingIsland& o) const { return name < o.name; }
 	operator const ResidualSum&() const { return error; }

@@ -32,6 +32,12 @@ struct alignas(64) Group {
 };
 static_assert(sizeof(Group) == 11 * 64 && offsetof(Group, nx) == 64); // no gaps: each member begins on a boundary of its own size
 
+// Of the contacts of a group that have a stiffness. A rigid problem has none.
+struct alignas(64) GroupSprings {
+	double n[Group::lanes], t[Group::lanes], bias[Group::lanes];
+};
+static_assert(sizeof(GroupSprings) == 3 * 64);
+
 // How far the contacts of a group miss the contact law (Miss in law.inl).
 struct alignas(64) GroupMiss {
 	double difference[Group::lanes], velocity[Group::lanes];

@@ -48,17 +48,18 @@ struct RowSettings {
 
 struct GroupKernel {
 	const char* name;
-	// Solves the contacts of groups[0 .. count) in turn, while the others are held.
-	void (*sweep)(Group* groups, std::size_t count, PackedBody* bodies);
+	// Solves the contacts of groups[0 .. count) in turn, while the others are held. springs: of the groups; null: the contacts are rigid.
+	void (*sweep)(Group* groups, const GroupSprings* springs, std::size_t count, PackedBody* bodies);
 	// The same from y = p + beta (p - before); `before` becomes p. The bodies must already have the velocities of y. Adds to the sums.
-	void (*sweepAhead)(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums);
+	void (*sweepAhead)(
+	    Group* groups, const GroupSprings* springs, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums);
 	// Replaces every velocity v by v + beta (v - before); `before` becomes v.
 	void (*extrapolate)(PackedBody* bodies, PackedBody* before, std::size_t count, double beta);
 	// Adds to every body the impulses of its contacts, their moments over k, and, in the member w, the magnitudes |p_n| + (1 + arm^2)|p_t|.
 	void (*addImpulses)(const Group* groups, std::size_t count, PackedBody* loads);
 	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
 	// the sums, and writes the values of each contact to `each` if it is not null.
-	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
+	void (*miss)(const Group* groups, const GroupSprings* springs, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
 	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held. Where `before` is not null,
 	// the impulses must already have the values of y, and `steps` gets the results.
 	void (*sweepRows)(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);

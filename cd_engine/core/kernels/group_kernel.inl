@@ -118,14 +118,20 @@ template <class T> INLINE void setImpulses(T& g, int lane, const Components<Vect
 	store(g.pt + lane, p.t);
 }
 
+INLINE Spring<Vector> springOf(const GroupSprings& g, int lane) { return { load(g.n + lane), load(g.t + lane), load(g.bias + lane) }; }
+
 // Solves LANES contacts. The velocities of the bodies already contain the impulses p. Returns the new ones.
-INLINE Components<Vector> solve(Group& g, int lane, PackedBody* bodies, const Components<Vector>& p)
+template <bool compliant>
+INLINE Components<Vector> solve(Group& g, const GroupSprings* springs, int lane, PackedBody* bodies, const Components<Vector>& p)
 {
 	Bodies A = gather(bodies, g.a + lane), B = gather(bodies, g.b + lane);
 	const Contact c = contactOf(g, lane);
-	const Components<Vector> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
-	const Components<Vector> next = cut<Vector>(
-	    { p.n - (u.n + load(g.bias + lane)) * load(g.inverseWnn + lane), p.t - u.t * load(g.inverseWtt + lane) }, frictionOf(g, lane));
+	Components<Vector> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
+	u.n += load(g.bias + lane);
+	if constexpr (compliant)
+		u = yielding(u, springOf(*springs, lane), p);
+	const Components<Vector> next
+	    = cut<Vector>({ p.n - u.n * load(g.inverseWnn + lane), p.t - u.t * load(g.inverseWtt + lane) }, frictionOf(g, lane));
 	setImpulses(g, lane, next);
 	push(actionOf(c, next - p), A, A.w, B, B.w);
 	scatter(bodies, g.a + lane, A);
@@ -144,16 +150,26 @@ template <class T> INLINE void fetch(const T* item)
 		__builtin_prefetch(reinterpret_cast<const char*>(item) + line);
 }
 
-static void sweep(Group* groups, std::size_t count, PackedBody* bodies)
+template <bool compliant> INLINE void sweepGroups(Group* groups, const GroupSprings* springs, std::size_t count, PackedBody* bodies)
 {
 	for (std::size_t k = 0; k < count; k++) {
 		fetch(groups + k + early);
 		for (int lane = 0; lane < Group::lanes; lane += LANES)
-			solve(groups[k], lane, bodies, impulsesOf(groups[k], lane));
+			solve<compliant>(groups[k], springs + (compliant ? k : 0), lane, bodies, impulsesOf(groups[k], lane));
 	}
 }
 
-static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums)
+static void sweep(Group* groups, const GroupSprings* springs, std::size_t count, PackedBody* bodies)
+{
+	if (springs)
+		sweepGroups<true>(groups, springs, count, bodies);
+	else
+		sweepGroups<false>(groups, springs, count, bodies);
+}
+
+template <bool compliant>
+INLINE void sweepGroupsAhead(
+    Group* groups, const GroupSprings* springs, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums)
 {
 	Vector change[Group::lanes / LANES], against[Group::lanes / LANES];
 	for (int half = 0; half < Group::lanes / LANES; half++) {
@@ -167,7 +183,7 @@ static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, Pa
 			const int lane = half * LANES;
 			const Components<Vector> p = impulsesOf(groups[k], lane), y = extrapolated(p, impulsesOf(before[k], lane), beta);
 			setImpulses(before[k], lane, p);
-			const Components<Vector> next = solve(groups[k], lane, bodies, y);
+			const Components<Vector> next = solve<compliant>(groups[k], springs + (compliant ? k : 0), lane, bodies, y);
 			change[half] += dot(y - next, y - next);
 			against[half] += dot(y - next, next - p);
 		}
@@ -176,6 +192,15 @@ static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, Pa
 		store(sums.change + half * LANES, change[half]);
 		store(sums.against + half * LANES, against[half]);
 	}
+}
+
+static void sweepAhead(
+    Group* groups, const GroupSprings* springs, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums)
+{
+	if (springs)
+		sweepGroupsAhead<true>(groups, springs, before, count, bodies, beta, sums);
+	else
+		sweepGroupsAhead<false>(groups, springs, before, count, bodies, beta, sums);
 }
 
 static void extrapolate(PackedBody* bodies, PackedBody* before, std::size_t count, double beta)
@@ -207,7 +232,9 @@ static void addImpulses(const Group* groups, std::size_t count, PackedBody* load
 	}
 }
 
-static void miss(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each)
+template <bool compliant>
+INLINE void missOfGroups(
+    const Group* groups, const GroupSprings* springs, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each)
 {
 	for (std::size_t k = 0; k < count; k++) {
 		fetch(groups + k + early);
@@ -220,8 +247,13 @@ static void miss(const Group* groups, std::size_t count, const PackedBody* moved
 			const Compliance<Vector> wnn = { inverse > none ? 1 / inverse : none, inverse };
 			Components<Vector> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
 			u.n += bias;
-			const Miss<Vector> miss
-			    = missOf<Vector>(p, u, frictionOf(g, lane), wnn, sizeOf(c, bias, motionOf(A), motionOf(B)), A.w + B.w);
+			Vector size = sizeOf(c, bias, motionOf(A), motionOf(B));
+			if constexpr (compliant) {
+				const Spring<Vector> spring = springOf(springs[k], lane);
+				u = yielding(u, spring, p);
+				size += sizeOf(spring, p);
+			}
+			const Miss<Vector> miss = missOf<Vector>(p, u, frictionOf(g, lane), wnn, size, A.w + B.w);
 			const auto of = [lane](double* sum) -> Vector& { return *reinterpret_cast<Vector*>(sum + lane); };
 			struct {
 				Vector &difference, &square, &differenceEnergy, &squareEnergy, &missed, &worst, &mostMissed;
@@ -234,6 +266,15 @@ static void miss(const Group* groups, std::size_t count, const PackedBody* moved
 			}
 		}
 	}
+}
+
+static void miss(
+    const Group* groups, const GroupSprings* springs, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each)
+{
+	if (springs)
+		missOfGroups<true>(groups, springs, count, moved, sums, each);
+	else
+		missOfGroups<false>(groups, springs, count, moved, sums, each);
 }
 
 #include "kernels/row_kernel.inl"

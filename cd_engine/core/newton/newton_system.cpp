@@ -47,9 +47,9 @@ NewtonSystem<ContactSystem>::NewtonSystem(ContactSystem& s)
 		std::copy_n(s.bodies[i].v, 3, &freeVelocity[3 * i]);
 	for (std::size_t i = 0; i < rows.size(); i++) {
 		const ContactRow& c = s.contacts[rows[i]];
-		d[2 * i] = c.wnn;
+		d[2 * i] = c.nn();
 		// If nothing can move along t, any positive number will do.
-		d[2 * i + 1] = c.wtt > 0 ? c.wtt : c.wnn;
+		d[2 * i + 1] = c.tt() > 0 ? c.tt() : c.nn();
 		const double n[6] = { -c.nx, -c.ny, -c.an, c.nx, c.ny, c.bn }, t[6] = { c.ny, -c.nx, -c.at, -c.ny, c.nx, c.bt }; // rows of H^T
 		for (std::size_t k = 0; k < 6; k++) {
 			const double root = std::sqrt(s.bodies[k < 3 ? c.a : c.b].w[k % 3]);
@@ -86,8 +86,10 @@ void NewtonSystem<ContactSystem>::velocities(const std::vector<double>& p, std::
 	u.resize(2 * size());
 	for (std::size_t i = 0; i < size(); i++) {
 		const ContactRow& c = system.contacts[rows[i]];
-		relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], u[2 * i], u[2 * i + 1]);
-		u[2 * i] += c.bias;
+		const Components<double> of
+		    = inLaw(c, relativeVelocity<false>(c, motionOf(system.bodies[c.a].v), motionOf(system.bodies[c.b].v)), impulseOf(c));
+		u[2 * i] = of.n;
+		u[2 * i + 1] = of.t;
 	}
 }
 
@@ -107,7 +109,8 @@ void NewtonSystem<ContactSystem>::plan(const std::vector<ContactState>& states)
 
 // z is the change of M^(1/2) v from v(pk), and a_n, a_t are the rows of H^T M^(-1/2). Eliminating the impulses contact by contact leaves
 //   (sigma + sum a_n a_n'/D_n + sum a_t a_t'/D_t +- sum mu a_t a_n'/D_n) z = the push of the contacts at z = 0.
-// The first sum is over contacts that are not open, the second over sticking contacts, the third over sliding ones.
+// The first sum is over contacts that are not open, the second over sticking contacts, the third over sliding ones. A stiffness yields with p: D +
+// C/sigma takes the place of D.
 void NewtonSystem<ContactSystem>::assemble(const Proximal& at)
 {
 	matrix.clear();
@@ -123,7 +126,8 @@ void NewtonSystem<ContactSystem>::assemble(const Proximal& at)
 		const bool open = state == ContactState::open, stick = state == ContactState::stick;
 		const double slope = at.coupled ? side(state) * c.mu : 0, fixed = at.coupled ? 0 : side(state) * at.bounds[i];
 		const double *n = &arms[12 * i], *t = n + 6, *pk = &at.pk[2 * i];
-		const double closing = -at.u[2 * i] / d[2 * i], slipping = -at.u[2 * i + 1] / d[2 * i + 1];
+		const double dn = d[2 * i] + c.cn / at.sigma, dt = d[2 * i + 1] + c.ct / at.sigma;
+		const double closing = -at.u[2 * i] / dn, slipping = -at.u[2 * i + 1] / dt;
 		const double pushN = open ? -at.sigma * pk[0] : closing;
 		const double pushT = open ? -at.sigma * pk[1] : stick ? slipping : at.sigma * (fixed + slope * pk[0] - pk[1]) + slope * closing;
 		for (std::size_t k = 0; k < 6; k++)
@@ -132,8 +136,8 @@ void NewtonSystem<ContactSystem>::assemble(const Proximal& at)
 			continue;
 		double left[6], leftT[6]; // the contact adds left n' + leftT t' to the matrix
 		for (std::size_t k = 0; k < 6; k++) {
-			left[k] = (n[k] + slope * t[k]) / d[2 * i];
-			leftT[k] = stick ? t[k] / d[2 * i + 1] : 0;
+			left[k] = (n[k] + slope * t[k]) / dn;
+			leftT[k] = stick ? t[k] / dt : 0;
 		}
 		for (std::size_t row = 0; row < 2; row++)
 			for (std::size_t column = 0; column < 2; column++) {
@@ -167,8 +171,8 @@ bool NewtonSystem<ContactSystem>::solve(const Proximal& at, std::vector<double>&
 			ut += arms[12 * i + 6 + k] * change;
 		}
 		double &pn = p[2 * i], &pt = p[2 * i + 1];
-		pn = at.pk[2 * i] - un / (at.sigma * d[2 * i]);
-		pt = at.states[i] == ContactState::stick ? at.pk[2 * i + 1] - ut / (at.sigma * d[2 * i + 1])
+		pn = at.pk[2 * i] - un / (at.sigma * d[2 * i] + c.cn);
+		pt = at.states[i] == ContactState::stick ? at.pk[2 * i + 1] - ut / (at.sigma * d[2 * i + 1] + c.ct)
 							 : side(at.states[i]) * (at.coupled ? c.mu * pn : at.bounds[i]);
 	}
 	return true;

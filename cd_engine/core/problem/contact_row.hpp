@@ -25,9 +25,16 @@ struct ContactRow {
 	double mu = 0; // Coulomb friction coefficient
 	double wnn = 0, wnt = 0, wtt = 0; // own block of W [1/kg]
 	double pn = 0, pt = 0; // impulse on `b` [N s]: first guess on entry, solution on exit
+	// Of a contact with stiffness (contact_system.hpp); 0: rigid.
+	double cn = 0, ct = 0; // compliances C [1/kg]
+	double slipBias = 0; // [m/s]
 
 	// Whether the normal and tangential directions are uncoupled: true for disks, and for boundaries whose free directions are along n or t.
 	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }
+
+	bool compliant() const { return cn > 0; }
+	double nn() const { return wnn + cn; } // own block of W + C [1/kg]
+	double tt() const { return wtt + ct; }
 
 	// Whether neither body can move along the normal: the compliance `along` the normal is only round-off of the sum of `all` compliances.
 	// Example: the normal of a body blocked along x, computed as (1, cos(pi/2)), has 6e-17 along y: an effective mass of 1e32 times its own.
@@ -54,6 +61,6 @@ struct ContactRow {
 			wnn = wnt = pn = pt = 0;
 	}
 };
-static_assert(sizeof(ContactRow) == 8 + 13 * 8 && offsetof(ContactRow, at) == 32 && offsetof(ContactRow, mu) == 64 && offsetof(ContactRow, pn) == 96);
+static_assert(sizeof(ContactRow) == 8 + 16 * 8 && offsetof(ContactRow, at) == 32 && offsetof(ContactRow, mu) == 64 && offsetof(ContactRow, pn) == 96);
 
 } // namespace cd

@@ -40,6 +40,8 @@ class ContactRows {
 		all().push_back(c);
 		count++;
 	}
+	bool compliant = false; // each contact has a stiffness, and no rows are postponed
+
 	// Rows that stay keep their numbers.
 	void resize(std::size_t now)
 	{

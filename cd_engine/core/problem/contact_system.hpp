@@ -8,6 +8,13 @@
 // Contact law in one step (Signorini in velocity form and Coulomb; Jean 1999, Comput. Methods Appl. Mech. Eng. 177, eqs. 6 and 9):
 //   0 <= u_n + bias  _|_  p_n >= 0,   |p_t| <= mu p_n,   p_t = -mu p_n u_t/|u_t| where the contact slides
 // `bias` [m/s] carries the gap of the step (gap/h) or Newton's restitution (e u_n before the step).
+//
+// A contact with stiffness obeys the same law with W + C and biases of both components:
+//   0 <= u_n + bias + C_n p_n  _|_  p_n >= 0,   |p_t| <= mu p_n,   p_t = -mu p_n s/|s| where s = u_t + slipBias + C_t p_t is not 0
+// With springs k_n, k_t and a normal dashpot c, at the end of a step h (backward Euler), gap g of either sign and tangential force f before it:
+//   p_n = h max(0, -k_n (g + h u_n) - c u_n):      C_n = 1/(h (k_n h + c)),   bias = k_n g/(k_n h + c)
+//   p_t = h (f - k_t h u_t), cut to mu p_n:        C_t = 1/(k_t h^2),         slipBias = -C_t h f
+// k -> infinity is the rigid contact. If all contacts have a stiffness there is always a solution.
 #pragma once
 
 #include "problem/contact_rows.hpp"

@@ -18,6 +18,7 @@ inline void setImpulse(ContactRow& c, const Components<double>& p)
 	c.pt = p.t;
 }
 inline Friction<double> frictionOf(const ContactRow& c) { return { c.mu }; }
+inline Spring<double> springOf(const ContactRow& c) { return { c.cn, c.ct, c.slipBias }; }
 inline Motion<double> motionOf(const double* v) { return { v[0], v[1], v[2] }; }
 
 // u_n and u_t of one contact for the bodies' present velocities.
@@ -26,6 +27,13 @@ inline void relativeVelocity(const ContactRow& c, const BodyVelocity& A, const B
 	const Components<double> u = relativeVelocity<false>(c, motionOf(A.v), motionOf(B.v));
 	un = u.n;
 	ut = u.t;
+}
+
+// From relative velocities, those that the law is about: with the biases and what a spring yields.
+inline Components<double> inLaw(const ContactRow& c, Components<double> u, const Components<double>& p)
+{
+	u.n += c.bias;
+	return c.compliant() ? yielding(u, springOf(c), p) : u;
 }
 
 // Adds the impulse (pn, pt) on `b` and its reaction on `a`.
@@ -76,13 +84,14 @@ inline Components<double> solveLocal(double wnn, double wnt, double wtn, double 
 	return stops;
 }
 
-// The impulses of a contact while all others are held; u: relative velocity with the impulses p, and with the bias.
+// The impulses of a contact while all others are held; u: inLaw() of the impulses p.
 inline Components<double> solveContact(const ContactRow& c, const Components<double>& u, const Components<double>& p)
 {
 	assert(c.wnn > 0);
-	if (c.wnt == 0 && c.wtt > 0)
-		return cut<double>({ p.n - u.n / c.wnn, p.t - u.t / c.wtt }, frictionOf(c));
-	return solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, u.n - (c.wnn * p.n + c.wnt * p.t), u.t - (c.wnt * p.n + c.wtt * p.t));
+	const double nn = c.nn(), tt = c.tt();
+	if (c.wnt == 0 && tt > 0)
+		return cut<double>({ p.n - u.n / nn, p.t - u.t / tt }, frictionOf(c));
+	return solveLocal(nn, c.wnt, c.wnt, tt, c.mu, u.n - (nn * p.n + c.wnt * p.t), u.t - (c.wnt * p.n + tt * p.t));
 }
 
 } // namespace cd

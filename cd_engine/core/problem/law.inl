@@ -24,6 +24,21 @@ template <class N> LAW Components<N> extrapolated(const Components<N>& p, const 
 	return { p.n + beta * (p.n - before.n), p.t + beta * (p.t - before.t) };
 }
 
+// Of a contact with stiffness: the compliances, and the bias of its slip.
+template <class N> struct Spring {
+	N n, t, bias;
+};
+// u_n + C_n p_n, u_t + slipBias + C_t p_t
+template <class N> LAW Components<N> yielding(const Components<N>& u, const Spring<N>& by, const Components<N>& p)
+{
+	return { u.n + by.n * p.n, u.t + (by.bias + by.t * p.t) };
+}
+// The sum of the magnitudes of what this adds.
+template <class N> LAW N sizeOf(const Spring<N>& of, const Components<N>& p)
+{
+	return absolute(of.n * p.n) + absolute(of.bias) + absolute(of.t * p.t);
+}
+
 // Of a body: velocity and angular velocity, or the inverses of its masses.
 template <class N> struct Motion {
 	N x, y, spin;

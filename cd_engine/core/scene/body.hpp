@@ -25,7 +25,7 @@ static_assert(sizeof(Place) == 32);
 
 // The motion of a body in a step.
 struct alignas(32) Mean {
-	double v[Plane::freedoms]; // mean of the velocities before and after the step
+	double v[Plane::freedoms]; // mean of the velocities before and after the step; with stiffnesses: those after it
 	double speed; // speed of the fastest point of its outline after the step, which bounds its motion [m/s]
 };
 static_assert(sizeof(Mean) == 32);

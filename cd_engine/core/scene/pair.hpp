@@ -18,6 +18,11 @@ struct Pair {
 	double reference = 0; // overlap that counts as zero gap [m], left behind by springs; reset to 0 once the bodies separate
 };
 
+// The stiffness of a pair [N/m]; kt may be 0 (no friction) or infinite (friction without a spring).
+struct Stiffness {
+	double kn, kt;
+};
+
 // The force of a contact after the last step, as a scene keeps it. Times the length of the next step it is that step's first guess.
 struct alignas(64) Carried {
 	static constexpr long nothing = std::numeric_limits<long>::min();

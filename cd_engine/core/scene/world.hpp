@@ -17,10 +17,15 @@ struct World {
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
 	std::vector<Carried> carried; // by the contacts of the pairs
+	std::vector<Stiffness> stiffnesses; // of the pairs; empty: all contacts are rigid
 	// Of each shape [m]: the list of pairs holds every two whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
 	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::look fills it before every step
+
+	bool compliant() const { return !stiffnesses.empty(); }
+	// How far ahead of a step's beginning its contacts are located [s]: at the middle, or with stiffnesses, at the beginning.
+	double ahead(double dt) const { return compliant() ? 0 : 0.5 * dt; }
 
 	// The body that a shape moves with. In the plane each body has one shape, of its own number.
 	const Body& bodyOf(std::size_t shape) const { return bodies[shape]; }

@@ -269,6 +269,8 @@ Feasibility feasibility(const DelassusSystem& s, double least, int products)
 
 bool surelySolvable(const ContactSystem& s, Threads* threads)
 {
+	if (s.contacts.compliant)
+		return true;
 	return !anyOf(threads, s.bodies.size(), [&](std::size_t i) { return isDriven(s.bodies[i]); })
 	    && (s.contacts.postponed() // they push nothing
 		|| !anyOf(threads, s.contacts.size(), [&](std::size_t i) { return !(s.contacts[i].bias >= 0); }));

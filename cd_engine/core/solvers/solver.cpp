@@ -85,7 +85,7 @@ namespace {
 	// large that all velocities they cause are within the tolerance. Those of the first guess have been accepted before.
 	bool createEnergy(ContactSystem& s, const Start& start, const SolverReport& report)
 	{
-		if (report.status != Status::converged || !(energyGain(s, start.freeVelocity()) > 2))
+		if (s.contacts.compliant || report.status != Status::converged || !(energyGain(s, start.freeVelocity()) > 2))
 			return false;
 		s.contacts.make();
 		return exceedsGuess(s, start);

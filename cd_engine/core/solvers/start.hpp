@@ -45,7 +45,7 @@ class Start {
 			if (pushed)
 				driven = true;
 		});
-		solvable = !driven;
+		solvable = s.contacts.compliant || !driven;
 	}
 	Start(const DelassusSystem& s, Threads* t)
 	    : threads(t)

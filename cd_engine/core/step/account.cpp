@@ -16,10 +16,35 @@ namespace {
 
 	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - onCone); }
 
+	// Energies of the springs of contacts, members of StepReport [J].
+	struct Springs {
+		double stored = 0, before = 0, absorbed = 0, dashpots = 0;
+
+		Springs operator+(const Springs& o) const
+		{
+			return { stored + o.stored, before + o.before, absorbed + o.absorbed, dashpots + o.dashpots };
+		}
+	};
+
 	struct Totals {
 		int loaded = 0, sliding = 0;
-		double dissipated = 0; // [J]
+		double dissipated = 0, work = 0; // [J]
+		Springs springs {};
 	};
+
+	// What the springs of a contact take in a step h. It obeys u + bias + C p = 0 but for its slip. Its dashpot has the share 1 - k h/(k h + c).
+	Springs springsOf(const ContactRow& c, double kn, double h)
+	{
+		if (!(c.wnn > 0))
+			return {};
+		const double normal = c.bias + c.cn * c.pn, tangential = c.slipBias + c.ct * c.pt, resists = 1 / (h * c.cn);
+		const double dashpot = std::max(0., resists - kn * h), before = std::max(0., -c.bias * resists / kn);
+		const double overlap = (c.pn - dashpot * c.bias * resists / kn) / resists, held = c.ct > 0 ? c.slipBias / c.ct : 0;
+		if (!(c.pn > 0))
+			return { 0, 0.5 * kn * before * before + 0.5 * c.ct * held * held, 0, 0 };
+		return { 0.5 * kn * overlap * overlap + 0.5 * c.ct * c.pt * c.pt, 0.5 * kn * before * before + 0.5 * c.ct * held * held,
+			c.pn * normal + c.pt * tangential, h * dashpot * normal * normal };
+	}
 
 	// Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
 	void release(const Pair& pair, Carried& was, Sleepers& sleepers)
@@ -103,6 +128,7 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 		const Pair* const pairs = world.pairs.data();
 		Carried* const carried = world.carried.data();
 		const bool anyAsleep = !sleepers.none();
+		const Stiffness* const stiffnesses = world.compliant() ? world.stiffnesses.data() : nullptr;
 		Totals sum { 0, 0, from > 0 ? 0 : report.dissipated };
 		const auto later = [pairOf, last = contacts.size() - 1](std::size_t i) { return pairOf[std::min(i, last)]; };
 		for (; from < to; from += batch) {
@@ -125,6 +151,8 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 				Carried& was = carried[pairOf[i]];
 				PairEffects& e = effects[k / PairLanes::lanes];
 				const double pn = p[2 * k], pt = p[2 * k + 1];
+				const Springs springs = stiffnesses ? springsOf(rows[i], stiffnesses[pairOf[i]].kn, dt) : Springs {};
+				sum.springs = sum.springs + Springs { 0, springs.before, 0, 0 };
 				if (pn <= 0) {
 					release(pair, was, sleepers);
 					continue;
@@ -148,6 +176,11 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 				sum.loaded += !asleep;
 				sum.sliding += !asleep && slides(pair.mu, pn, pt);
 				sum.dissipated -= e.work[l];
+				if (!stiffnesses)
+					continue;
+				sum.dissipated -= springs.absorbed; // p . s, with the slip s
+				sum.work += std::abs(e.work[l]);
+				sum.springs = sum.springs + Springs { asleep ? 0 : springs.stored, 0, springs.absorbed, springs.dashpots };
 			}
 		}
 		return sum;
@@ -155,7 +188,7 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 	// Only one thread may report what it wakes.
 	const Totals all = reduceRanges<Totals>(
 	    sleepers.none() ? &step.threads : nullptr, contacts.size(), bookRange, [](const Totals& a, const Totals& b) -> Totals {
-		    return { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated };
+		    return { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated, a.work + b.work, a.springs + b.springs };
 	    });
 	if (contacts.size() < world.awake.size())
 		for (const int32_t i : world.awake)
@@ -164,6 +197,11 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 	report.loadedContacts += all.loaded;
 	report.slidingContacts += all.sliding;
 	report.dissipated = all.dissipated;
+	report.work = all.work;
+	report.stored = all.springs.stored;
+	report.storedBefore = all.springs.before;
+	report.absorbed = all.springs.absorbed;
+	report.dashpots = all.springs.dashpots;
 	known = !sleepers.none();
 	if (known)
 		bookSleeping(world, step, finder, contacts, sleepers, report);
@@ -191,6 +229,8 @@ void Account::bookSleeping(
 				sleepers.disturb(asleep->name, "a contact came late", c.a);
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
+			if (world.compliant())
+				asleep->stored += springsOf(c, world.stiffnesses[pair].kn, step.dt()).stored;
 		}
 		if (asleep || c.pn > 0)
 			giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt,
@@ -205,6 +245,7 @@ void Account::bookSleeping(
 		report.contacts += island.contacts;
 		report.loadedContacts += island.loaded;
 		report.slidingContacts += island.sliding;
+		report.stored += island.stored;
 		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
 	}
 	for (const BoundaryImpulse& of : sleepers.boundaryImpulses())

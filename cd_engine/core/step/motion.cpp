@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <functional>
 
 namespace cd {
 namespace {
@@ -40,13 +41,14 @@ BodyMotion::Start BodyMotion::begin(const World& world, double dt, ContactSystem
 	placeOf.resize(count);
 	way.resize(count);
 	shifts.clear();
+	const double ahead = world.ahead(dt);
 	const auto begin = [&](std::size_t from, std::size_t to) {
 		Start start { false, known, false };
 		for (std::size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
 			start.sameMasses = start.sameMasses && std::equal(b.inverseMass, b.inverseMass + 3, system.bodies[i].w);
 			setFree(b, dt, system.bodies[i]);
-			placeOf[i] = placeAhead(b, 0.5 * dt);
+			placeOf[i] = placeAhead(b, ahead);
 			system.places[i] = { placeOf[i].x, placeOf[i].y };
 			way[i] = wayOf(b, world.shapes[i], system.bodies[i].v, dt);
 			start.turns = start.turns || (isBoundary(b) && b.v[2] != 0);
@@ -84,6 +86,7 @@ bool BodyMotion::average(const World& world, double dt, const std::vector<BodyVe
 {
 	assert(bodies.size() == world.bodies.size() && way.size() == bodies.size());
 	meanOf.resize(bodies.size());
+	const bool implicit = world.compliant();
 	double most = endless;
 	if (!solved && !way.empty())
 		most = (4 * *std::max_element(way.begin(), way.end()) + 2 * smallestRadius(world)) / dt;
@@ -97,7 +100,7 @@ bool BodyMotion::average(const World& world, double dt, const std::vector<BodyVe
 			const Body& b = world.bodies[i];
 			const double* v = bodies[i].v;
 			for (int k = 0; k < 3; k++)
-				meanOf[i].v[k] = 0.5 * (b.v[k] + v[k]);
+				meanOf[i].v[k] = implicit ? v[k] : 0.5 * (b.v[k] + v[k]);
 			meanOf[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
 			found.fastest = std::max(found.fastest, meanOf[i].speed);
 			found.outran = found.outran || (i < world.listed.size() && reach(world, i, dt) > world.listed[i]);
@@ -120,14 +123,21 @@ void BodyMotion::shift(int32_t disk, double x, double y)
 
 bool BodyMotion::finish(World& world, double h, const std::vector<BodyVelocity>& bodies, Threads& threads) const
 {
+	const bool implicit = world.compliant();
 	const auto move = [&](std::size_t from, std::size_t to) {
 		bool moves = false;
 		for (std::size_t i = from; i < to; i++) {
 			Body& b = world.bodies[i];
 			const double* v = bodies[i].v;
-			b.x += 0.5 * h * (b.v[0] + v[0]);
-			b.y += 0.5 * h * (b.v[1] + v[1]);
-			b.turn = 0.5 * h * (b.v[2] + v[2]);
+			if (implicit) {
+				b.x += h * v[0];
+				b.y += h * v[1];
+				b.turn = h * v[2];
+			} else {
+				b.x += 0.5 * h * (b.v[0] + v[0]);
+				b.y += 0.5 * h * (b.v[1] + v[1]);
+				b.turn = 0.5 * h * (b.v[2] + v[2]);
+			}
 			std::memcpy(b.v, v, sizeof b.v);
 			moves = moves || v[0] != 0 || v[1] != 0 || v[2] != 0;
 		}
@@ -141,11 +151,26 @@ bool BodyMotion::finish(World& world, double h, const std::vector<BodyVelocity>&
 	return moves;
 }
 
+double BodyMotion::damped(const World& world, const std::vector<BodyVelocity>& bodies, Threads& threads)
+{
+	return reduceRanges<double>(
+	    &threads, bodies.size(),
+	    [&](std::size_t from, std::size_t to) {
+		    double sum = 0;
+		    for (std::size_t i = from; i < to; i++)
+			    for (int k = 0; k < 3; k++)
+				    if (const Body& b = world.bodies[i]; b.inverseMass[k] > 0)
+					    sum += 0.5 * (bodies[i].v[k] - b.v[k]) * (bodies[i].v[k] - b.v[k]) / b.inverseMass[k];
+		    return sum;
+	    },
+	    std::plus<double>());
+}
+
 void BodyMotion::placeBack(const World& world, double dt)
 {
 	placeOf.clear();
 	for (const Body& b : world.bodies)
-		placeOf.push_back(placeAhead(b, -0.5 * dt));
+		placeOf.push_back(placeAhead(b, world.ahead(dt) - dt));
 }
 
 } // namespace cd

@@ -18,7 +18,7 @@ class BodyMotion {
 		bool guides = false; // there is a disk that no force moves
 	};
 	// Sets the free velocities of the system's bodies, which the external forces alone would leave, and finds their places at the
-	// mid-configuration and their ways.
+	// mid-configuration (with stiffnesses: before the step) and their ways.
 	Start begin(const World&, double dt, ContactSystem&, Threads&);
 	// Sets the free velocities again, after a solution has replaced them.
 	static void resetFree(const World&, double dt, ContactSystem&, Threads&);
@@ -34,6 +34,8 @@ class BodyMotion {
 	void shift(int32_t disk, double x, double y);
 	std::size_t shifted() const { return shifts.size(); }
 
+	// The kinetic energy that a step by backward Euler takes, sum m |v' - v|^2/2 [J]; before the bodies are moved.
+	static double damped(const World&, const std::vector<BodyVelocity>&, Threads&);
 	// Moves the bodies to the end of the step. Returns whether any body moves.
 	bool finish(World&, double dt, const std::vector<BodyVelocity>&, Threads&) const;
 	// Finds the places of the last step of dt anew, from the bodies after it.

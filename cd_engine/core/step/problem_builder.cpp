@@ -39,7 +39,7 @@ ContactRow ProblemBuilder::makeRow(const StepView& step, const ContactFinder& fi
 	// The spin before the step: a torque that the contacts balance does not turn the box.
 	turned = step.turning(pair, touch, gap, step.world.bodies[pair.a].v[2]);
 	const double radius = step.smallerRadius(pair), allowed = step.settings.allowedOverlap * radius;
-	const bool pushes = gap < -std::max(pushedOut, step.settings.allowedOverlap) * radius;
+	const bool pushes = !step.world.compliant() && gap < -std::max(pushedOut, step.settings.allowedOverlap) * radius;
 	const double bias = ((gap > 0 ? gap : pushes ? step.settings.gapCorrection * (gap + allowed) : 0) + turned) / step.dt();
 	// Arms of disks: from the centre along the normal.
 	const double armA = place.radius - 0.5 * touch.overlap, armB = step.place(pair.b).radius - 0.5 * touch.overlap;
@@ -51,9 +51,26 @@ ContactRow ProblemBuilder::makeRow(const StepView& step, const ContactFinder& fi
 		c.at = ax * touch.nx + ay * touch.ny;
 	}
 	c.assembleBlock(step.bodies[c.a], step.bodies[c.b]);
+	if (step.world.compliant())
+		soften(step, finder, index, turned, c);
 	if (!(c.wnn > 0))
 		c.pn = c.pt = 0; // two immobile bodies: forces that springs left between them have no meaning here
 	return c;
+}
+
+// Gives a row the stiffness of its pair (contact_system.hpp). What friction holds is a spring whose force the contact has carried.
+void ProblemBuilder::soften(const StepView& step, const ContactFinder& finder, std::size_t pair, double turned, ContactRow& c)
+{
+	const auto [kn, kt] = step.world.stiffnesses[pair];
+	const double h = step.dt(),
+		     dashpot = step.settings.dampingRatio > 0 && c.wnn > 0 ? 2 * step.settings.dampingRatio * std::sqrt(kn / c.wnn) : 0;
+	const double resists = kn * h + dashpot;
+	c.bias = kn * (finder.gap(step.world, pair) + turned) / resists;
+	c.cn = 1 / (h * resists);
+	c.ct = kt > 0 ? 1 / (kt * h * h) : 0;
+	c.slipBias = -c.ct * step.world.carried[pair].impulse(h)[1];
+	if (!(kt > 0))
+		c.mu = c.pt = 0;
 }
 
 void ProblemBuilder::demandRebound(const StepView& step, const ContactFinder& finder, std::size_t contact, ContactRow& c, double turned)
@@ -84,6 +101,10 @@ void ProblemBuilder::fillRows(const StepView& step, const ContactFinder& finder,
 			specialOf[i] = c.wnn > 0 ? -1 : 0;
 			if (isSpecial(i))
 				c = makeRow(step, finder, pairOf[i], turned);
+			else if (step.world.compliant())
+				soften(step, finder, pairOf[i], 0, c);
+			else
+				c.cn = c.ct = c.slipBias = 0;
 			if (!step.settings.warmStart)
 				c.pn = c.pt = 0;
 			if (step.settings.restitution > 0)
@@ -128,7 +149,7 @@ void ProblemBuilder::append(const StepView& now, const ContactFinder& found, Con
 		ContactRow& c = system.contacts[i];
 		double un, ut;
 		relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
-		c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.wnn) : 0;
+		c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.nn()) : 0;
 		c.pt = 0;
 	}
 }

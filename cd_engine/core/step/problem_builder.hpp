@@ -35,6 +35,7 @@ class ProblemBuilder : GroupSource {
 	ContactRow makeRow(const StepView&, const ContactFinder&, std::size_t pair, double& turned) const;
 	void fillRows(const StepView&, const ContactFinder&, ContactRow* all, std::size_t from, std::size_t to);
 	void fillAll(ContactRow*, std::size_t count);
+	static void soften(const StepView&, const ContactFinder&, std::size_t pair, double turned, ContactRow&);
 	void demandRebound(const StepView&, const ContactFinder&, std::size_t contact, ContactRow&, double turned);
 	bool makeSpecials();
 

@@ -12,6 +12,7 @@ namespace cd {
 struct StepSettings {
 	double dt = 0; // [s]
 	double restitution = 0; // Newton's e, normal direction
+	double dampingRatio = 0; // of the normal dashpot of contacts with stiffness, as a share of critical damping
 	double gapCorrection = 0; // share of an overlap, beyond the reference and the allowed one, that the step pushes out
 	double allowedOverlap = 0; // that it leaves, as a share of the smaller disk's radius
 	int threads = 1; // threads that share the work of a large scene; the bits do not depend on their number
@@ -33,7 +34,13 @@ struct StepReport {
 	int slidingContacts = 0; // loaded contacts with mu > 0 and |p_t| at mu p_n
 	int loadedContacts = 0;
 	double maxPenetration = 0; // [m], beyond the reference overlap, at the mid-configuration
-	double dissipated = 0; // [J] in this step
+	double dissipated = 0; // [J] in this step; with stiffnesses by friction only
+	// Of contacts with stiffness [J]:
+	double stored = 0, storedBefore = 0; // energy of the springs at the end and, without sleeping islands, at the beginning of the step
+	double absorbed = 0; // by springs and dashpots in this step
+	double dashpots = 0; // of this: by dashpots
+	double damped = 0; // kinetic energy that backward Euler takes, sum m |v' - v|^2/2
+	double work = 0; // sum of |p . u| of all contacts
 	double solveSeconds = 0; // spent in the solver
 	std::vector<double> outran; // of each body: how far from its place before the step pairs must be listed [m]; empty: the list was long enough
 	bool idle = false; // nothing moves and all contacts sleep: under the same forces the next step changes nothing either

@@ -20,7 +20,8 @@ void TimeStep::prepare(World& world, const StepView& step)
 	const BodyMotion::Start start = motion.begin(world, s.dt, system, threads);
 	const bool same = finder.find(world, step, motion, start);
 	// Rows that push need a proof that there is a solution (feasibility.hpp), which reads all of them.
-	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0;
+	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0 || world.compliant();
+	system.contacts.compliant = world.compliant();
 	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none());
 }
 
@@ -113,6 +114,7 @@ bool TimeStep::attempt(World& world, const StepView& step, StepReport& report)
 
 StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 {
+	assert(!world.compliant() || (world.stiffnesses.size() == world.pairs.size() && settings.restitution == 0 && settings.dampingRatio >= 0));
 	assert(settings.solve && settings.dt > 0 && settings.restitution >= 0 && settings.restitution <= 1 && settings.gapCorrection >= 0);
 	StepReport report;
 	threads.use(settings.threads);
@@ -131,6 +133,8 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 			solveIslands.putToSleep(sleepers, world);
 		if (!sleepers.none() || !system.contacts.solvedBeside())
 			system.contacts.make();
+		if (world.compliant())
+			report.damped = BodyMotion::damped(world, system.bodies, threads);
 		account.book(world, step, finder, builder, system.contacts, sleepers, report);
 		rest.plan(report.effort);
 		report.idle = !motion.finish(world, settings.dt, system.bodies, threads) && finder.pairs().empty();

@@ -9,6 +9,9 @@ class TimeStep {
     public:
 	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4). Only the
 	// pairs in world.awake may touch.
+	// With stiffnesses (World::stiffnesses) it is backward Euler instead, since theta = 1/2 rings: M (v' - v) = h F + H(q) p; q' = q + h v'
+	// (theta = 1). A force of a spring is then the one at q', to first order. Gaps of either sign count, and of the following only the fourth
+	// point holds.
 	// - Gaps: contact is required at the mid-configurations, which are a step apart. So u_n + max(gap, 0)/h >= 0 keeps the next one from
 	//   overlapping, to first order: the gap may close within the step, but not become negative. If the face of a box turns, the change of the
 	//   gap by this is added, so that it meets disks like one that only translates.

@@ -20,7 +20,7 @@ namespace {
 		return step ? made = step->row(contact) : rows[contact];
 	}
 
-	void fillLane(Group& g, int lane, const ContactRow& c, const PackedBodies& bodies)
+	void fillLane(Group& g, GroupSprings* springs, int lane, const ContactRow& c, const PackedBodies& bodies)
 	{
 		g.nx[lane] = c.nx;
 		g.ny[lane] = c.ny;
@@ -30,8 +30,13 @@ namespace {
 		g.mu[lane] = c.mu;
 		g.pn[lane] = c.pn;
 		g.pt[lane] = c.pt;
-		g.inverseWnn[lane] = 1 / c.wnn;
-		g.inverseWtt[lane] = 1 / c.wtt;
+		g.inverseWnn[lane] = 1 / c.nn();
+		g.inverseWtt[lane] = 1 / c.tt();
+		if (springs) {
+			springs->n[lane] = c.cn;
+			springs->t[lane] = c.ct;
+			springs->bias[lane] = c.slipBias;
+		}
 	}
 
 } // namespace
@@ -101,10 +106,12 @@ bool PackedContacts::fillGroups(const Range& which, const ContactRows& rows, con
 				if (contact < 0) {
 					for (double* const of : { g.nx, g.ny, g.at, g.bt, g.bias, g.mu, g.pn, g.pt, g.inverseWnn, g.inverseWtt })
 						of[lane] = 0;
+					if (!springs.empty())
+						springs[from + k].n[lane] = springs[from + k].t[lane] = springs[from + k].bias[lane] = 0;
 					continue;
 				}
 				const ContactRow& c = rowOf(rows, contact, made);
-				fillLane(g, lane, c, bodies);
+				fillLane(g, springs.empty() ? nullptr : &springs[from + k], lane, c, bodies);
 				if (!isGroupable(c, bodies))
 					return false;
 			}

@@ -27,6 +27,8 @@ class PackedContacts {
 
 	// Groups the contacts of each block. Their ends must be known.
 	void group(const ContactRows&, const Blocks&, const PackedBodies&);
+	// Makes room for springs, or for none.
+	void makeSprings(bool compliant) { springs.resize(compliant ? groups.size() : 0); }
 	// Fills in the numbers of a block, from rows or, where these are postponed, from the step itself. Returns false if a contact is no longer
 	// what it was when groups were made.
 	bool fill(int32_t block, const ContactRows&, const PackedBodies&);
@@ -52,6 +54,8 @@ class PackedContacts {
 
 	Grouping grouping; // of the numbers of the contacts
 	std::vector<Group> groups; // of the members of grouping
+	std::vector<GroupSprings> springs; // of the groups; empty if the contacts are rigid
+	const GroupSprings* springsFrom(std::size_t group) const { return springs.empty() ? nullptr : springs.data() + group; }
 	std::vector<LooseContact> loose;
 	std::vector<Ends> ends; // of each contact
 	std::vector<Ranges> ofBlock;

@@ -15,12 +15,14 @@ PackedProblem::Same PackedProblem::pack(ContactSystem& system, Threads* threads)
 		system.contacts.make();
 	twisted = found.twisted;
 	const bool others = partition.update(system, threads);
+	contacts.makeSprings(system.contacts.compliant);
 	if (!others && found.sameKinds && !contacts.ofBlock.empty() && fill(system, threads))
 		return { true, found.sameMasses };
 	system.contacts.make();
 	blocks.cut(partition.links, partition.freedom);
 	bodies.number(partition, blocks, contacts.ends);
 	contacts.group(system.contacts, blocks, bodies);
+	contacts.makeSprings(system.contacts.compliant);
 	fill(system, threads);
 	return { false, found.sameMasses };
 }

@@ -9,9 +9,8 @@ namespace {
 	{
 		ContactRow& c = l.row;
 		PackedBody &A = bodies[c.a], &B = bodies[c.b];
-		Components<double> u = relativeVelocity<true, double>(c, { A.vx, A.vy, A.spin }, { B.vx, B.vy, B.spin });
-		u.n += c.bias;
-		const Components<double> before = impulseOf(c), p = solveContact(c, u, before);
+		const Components<double> u = relativeVelocity<true, double>(c, { A.vx, A.vy, A.spin }, { B.vx, B.vy, B.spin });
+		const Components<double> before = impulseOf(c), p = solveContact(c, inLaw(c, u, before), before);
 		push(actionOf(c, p - before), velocityOf(A), l.wa, velocityOf(B), l.wb);
 		setImpulse(c, p);
 	}
@@ -87,7 +86,7 @@ void Sweep::operator()()
 {
 	PackedBody* const bodies = problem.bodies.now.data();
 	inOrder([&](const Range& groups, const Range& loose, int32_t) {
-		groupKernel().sweep(problem.contacts.groups.data() + groups.from, groups.size(), bodies);
+		groupKernel().sweep(problem.contacts.groups.data() + groups.from, problem.contacts.springsFrom(groups.from), groups.size(), bodies);
 		for (const std::size_t i : loose)
 			solve(problem.contacts.loose[i], bodies);
 	});
@@ -108,8 +107,8 @@ AheadReport Sweep::ahead(double beta)
 		groupKernel().extrapolate(bodies + own.from, &packed.bodiesBefore[own.from], own.size(), beta);
 	});
 	inOrder([&](const Range& groups, const Range& loose, int32_t block) {
-		groupKernel().sweepAhead(problem.contacts.groups.data() + groups.from, packed.before.groups.data() + groups.from, groups.size(),
-		    bodies, beta, packed.sums[block].groups);
+		groupKernel().sweepAhead(problem.contacts.groups.data() + groups.from, problem.contacts.springsFrom(groups.from),
+		    packed.before.groups.data() + groups.from, groups.size(), bodies, beta, packed.sums[block].groups);
 		for (const std::size_t i : loose)
 			solveAhead(problem.contacts.loose[i], packed.before.loose[i], bodies, beta, packed.sums[block].loose);
 	});

@@ -206,7 +206,8 @@ void SweepError::addContacts(const PackedContacts& contacts, int32_t block)
 		const Run& run = runs[i];
 		LaneMisses all = {};
 		GroupMiss* const each = run.sum < 0 || own.underHeavy.size() > 0 ? misses.data() + run.groups.from : nullptr;
-		groupKernel().miss(contacts.groups.data() + run.groups.from, run.groups.size(), moved.data(), all, each);
+		groupKernel().miss(
+		    contacts.groups.data() + run.groups.from, contacts.springsFrom(run.groups.from), run.groups.size(), moved.data(), all, each);
 		if (run.sum < 0)
 			addEach(contacts, run.groups);
 		else
@@ -221,9 +222,9 @@ void SweepError::addContacts(const PackedContacts& contacts, int32_t block)
 	for (const std::size_t i : contacts.ofBlock[block].loose) {
 		const ContactRow& c = contacts.loose[i].row;
 		const PackedBody &A = moved[c.a], &B = moved[c.b];
-		const Miss<double> miss = missOf(c, c.wnn, { A.vx, A.vy, A.spin }, { B.vx, B.vy, B.spin }, A.w + B.w);
+		const Miss<double> miss = missOf(c, c.nn(), { A.vx, A.vy, A.spin }, { B.vx, B.vy, B.spin }, A.w + B.w);
 		ResidualSum& sum = sums[sumOfContact[contacts.grouping.loose[i]]];
-		sum.addContact(miss, impulseOf(c), c.wnn);
+		sum.addContact(miss, impulseOf(c), c.nn());
 		if (!carried.empty())
 			sum.addUnderHeavy(miss.velocity, std::min(leastHeavy[c.a], leastHeavy[c.b]));
 	}
