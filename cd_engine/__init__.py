@@ -12,6 +12,7 @@ an engine that ends a run which is no longer physical. `picture` and `film` draw
 """
 import atexit
 import importlib
+import math
 import sys
 
 from . import engine_methods, run_hooks
@@ -22,6 +23,7 @@ from .watching import Unstable, watch
 ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear")
 __all__ = [*ENGINES, "TESTED", "Unstable", "engines", "film", "methods", "picture", "release", "timeStep", "watch"]
 
+SPRING_TOLERANCE = 0.1  # of contacts with a stiffness: relative to the motion of a step
 FLOW_TOLERANCE = 1e-4  # for single bodies in a flow; means need less, a packing at rest needs more
 
 # Versions of YADE that all tests were run with, and the Debian that packages them. The compiled module checks the binary interface of the running
@@ -92,18 +94,21 @@ def methods():
 def engines(**settings):
     """Return the list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
-    settings: attributes of `ContactDynamics`. Without a tolerance, steps are solved to 1e-4 after bodies have flowed or collided, and to 1e-6
+    settings: attributes of `ContactDynamics`. With a stiffness and without a tolerance, errors may be a tenth of the motion of a step. Else, without a
+    tolerance, steps are solved to 1e-4 after bodies have flowed or collided, and to 1e-6
     when nothing slides or collides any more (flowTolerance). Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics.
     ContactDynamics itself finds the pairs that may touch. The collider is for springs and for YADE's tools; it does nothing during a run.
     """
     _plugin()
     from yade import wrapper as w
+    springs = settings.get("materialStiffness") or settings.get("stiffness", math.inf) != math.inf
+    usual = {"tolerance": SPRING_TOLERANCE} if springs else {"flowTolerance": FLOW_TOLERANCE}
     _let_colliders_begin()
     return [
         w.ForceResetter(),
         # With any other verletDist it would ask for a NewtonIntegrator.
         w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
-        w.ContactDynamics(**({} if "tolerance" in settings else {"flowTolerance": FLOW_TOLERANCE}) | settings),
+        w.ContactDynamics(**({} if "tolerance" in settings else usual) | settings),
     ]
 
 

@@ -1,5 +1,6 @@
 """What the engines do in Python: functions of ContactDynamics, installed once its class is there, and the refusal of misspelt names."""
 import difflib
+import math
 import sys
 import threading
 import traceback
@@ -33,9 +34,11 @@ def text(engine):
     """Return lines about the settings, the last step and all steps of an engine, as one text."""
     flow = f" (in flows {engine.flowTolerance:g})" if engine.flowTolerance > engine.tolerance else ""
     sweeps = f", exactly {engine.fixedIterations} sweeps" if engine.fixedIterations else ""
+    springs = f", stiffness {engine.stiffness:g} and tangential {engine.tangentialStiffness:g} N/m" if engine.stiffness < math.inf else \
+        ", stiffnesses of the materials" if engine.materialStiffness else ""
     lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}{flow}, at most {engine.maxIterations} iterations a step, "
              f"restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, "
-             f"gravity {tuple(engine.gravity)} m/s^2{sweeps}"]
+             f"gravity {tuple(engine.gravity)} m/s^2{sweeps}{springs}"]
     if not engine.steps:
         return "\n".join(lines + ["No step yet."])
     by = engine.solvedBy if engine.iterations else "the forces of the step before"
@@ -84,8 +87,8 @@ def check_name(engine, name):
         return
     friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
     bounce = "The share of the speed that an impact gives back is `restitution`."
-    stiffness = "Rigid contacts have no stiffness."
-    rigid = {"damping": "Rigid contacts have no damping; see restitution.", "en": bounce, "es": bounce, "coefficientOfRestitution": bounce,
+    stiffness = "The stiffness of contacts is `stiffness`, `tangentialStiffness` or `materialStiffness`."
+    rigid = {"damping": "Rigid contacts have no damping; see restitution, and with a stiffness dampingRatio.", "en": bounce, "es": bounce, "coefficientOfRestitution": bounce,
              "kn": stiffness, "ks": stiffness, "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
              "friction": friction, "mu": friction, "frictionAngle": friction}
     meant = {"tol": "tolerance", "solver": "method", "numThreads": "threads", "nThreads": "threads"}

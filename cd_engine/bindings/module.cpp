@@ -37,13 +37,13 @@ cd::DelassusSystem matrixSystem(const py::tuple& arrays, const py::object& impul
 }
 
 // A problem in the velocities of the bodies: three inverse masses and three free velocities a body; two bodies, a normal, four arms (a_n,
-// a_t, b_n, b_t), a bias and a friction coefficient a contact.
+// a_t, b_n, b_t), a bias, a friction coefficient, two compliances and a bias of the slip a contact.
 cd::ContactSystem bodySystem(const py::tuple& arrays, const py::object& impulses)
 {
 	const auto w = numbers<double>(arrays[0]), v = numbers<double>(arrays[1]), normal = numbers<double>(arrays[3]);
 	const auto pair = numbers<int32_t>(arrays[2]);
 	const auto arm = numbers<double>(arrays[4]), bias = numbers<double>(arrays[5]), mu = numbers<double>(arrays[6]);
-	const auto p = numbers<double>(impulses);
+	const auto p = numbers<double>(impulses), compliance = numbers<double>(arrays[7]), slipBias = numbers<double>(arrays[8]);
 	cd::ContactSystem s;
 	s.memory = &memory;
 	s.bodies.resize(w.size() / 3);
@@ -64,10 +64,15 @@ cd::ContactSystem bodySystem(const py::tuple& arrays, const py::object& impulses
 		c.bt = arm[4 * i + 3];
 		c.bias = bias[i];
 		c.mu = mu[i];
+		c.cn = compliance[2 * i];
+		c.ct = compliance[2 * i + 1];
+		c.slipBias = slipBias[i];
 		c.pn = p[2 * i];
 		c.pt = p[2 * i + 1];
 	}
 	s.assembleBlocks();
+	s.contacts.compliant
+	    = !s.contacts.empty() && std::all_of(s.contacts.begin(), s.contacts.end(), [](const cd::ContactRow& c) { return c.compliant(); });
 	return s;
 }
 
@@ -113,7 +118,7 @@ py::tuple solved(System& system, Solver* solver, const std::string& method, cd::
 	    cd::solvedBy(method, report), seconds, looks);
 }
 
-// Returns the impulses, and what `solved` does. threads: for bodies, of which there are seven arrays.
+// Returns the impulses, and what `solved` does. threads: for bodies, of which there are nine arrays.
 py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::string& method, double tolerance, int maxIterations,
     int fixedIterations, unsigned seed, bool traced, int threads)
 {
@@ -127,7 +132,7 @@ py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::
 		return py::make_tuple(bytes(system.p), report);
 	}
 	cd::ContactSystem system = bodySystem(arrays, impulses);
-	if (!(cd::resolution(system, numbers<double>(arrays[1])).growth <= cd::mostGrowth))
+	if (!system.contacts.compliant && !(cd::resolution(system, numbers<double>(arrays[1])).growth <= cd::mostGrowth))
 		for (cd::ContactRow& c : system.contacts)
 			c.pn = c.pt = 0;
 	cd::Threads team;

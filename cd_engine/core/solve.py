@@ -60,7 +60,8 @@ def _arrays(problem):
     have been changed."""
     if isinstance(problem, BodyProblem):
         problem = replace(problem)
-        return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu)
+        return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu,
+                problem.compliances, problem.slip_bias)
     if not isinstance(problem, Problem):
         raise ValueError(f"{problem!r} is no contact problem: make a core.Problem of W, q and mu, or a core.BodyProblem")
     problem = Problem(problem.W, problem.q, problem.mu)

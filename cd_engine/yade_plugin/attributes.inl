@@ -3,7 +3,8 @@ CD_ATTRIBUTE(Vector3r, gravity, Vector3r::Zero(), setting, "Acceleration acting 
 CD_ATTRIBUTE(double, tolerance, 1e-6, Access { Access::set, 0, 1, true },
     "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
     "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "
-    "*flowTolerance* to 0.")
+    "*flowTolerance* to 0. With a *stiffness* it is relative to the motion of the step: to sum |p u|/sum W_nn |p|^2 of the step before, so that small "
+    "changes of the load are solved as exactly as large ones.")
 CD_ATTRIBUTE(double, flowTolerance, 0, within(0, 1),
     "If larger than *tolerance*: tolerance of steps after bodies have flowed or collided [1]; after slow motion the engine takes a tenth of it, a "
     "hundredth and so on, but at least *tolerance*. 0: *tolerance* holds in every step. Whether an island is at rest is always tested with "
@@ -23,6 +24,19 @@ CD_ATTRIBUTE(bool, warmStart, true, setting, "Take the contact forces present in
 CD_ATTRIBUTE(double, restitution, 0, within(0, 1),
     "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. If an island of contacts with friction would "
     "gain energy, the engine lowers the coefficient there for this step; if the step has no solution with it, it takes 0 there.")
+CD_ATTRIBUTE(double, stiffness, INFINITY, (Access { Access::set, 0, INFINITY, true }),
+    "Normal stiffness k_n of every contact [N/m]; inf: rigid. The springs are those of Molecular Dynamics, solved implicitly at the end of the step "
+    "(backward Euler), so that O.dt has no stability limit. *tolerance* is then relative to the motion of a step, and *flowTolerance*, *restitution* "
+    "and *gapCorrection* have no meaning.")
+CD_ATTRIBUTE(double, tangentialStiffness, INFINITY, (Access { Access::set, 0, INFINITY }),
+    "Tangential stiffness k_t [N/m] of contacts that have a *stiffness*; 0: no friction; inf: friction without a spring.")
+CD_ATTRIBUTE(bool, materialStiffness, false, setting,
+    "Take k_n and k_t of each contact from the materials (young, poisson) and radii, as YADE's Ip2_FrictMat_FrictMat_FrictPhys does; a boundary counts "
+    "as a disk of the other's radius. It takes the place of *stiffness* and *tangentialStiffness*.")
+CD_ATTRIBUTE(double, dampingRatio, 0, within(0, 10),
+    "Normal dashpot of contacts that have a stiffness, as a share of critical damping [1]: c = 2 dampingRatio sqrt(k_n m), 1/m = 1/m1 + 1/m2 (betan of "
+    "YADE's FrictViscoMat). It never pulls. A restitution e needs -ln(e)/sqrt(pi^2 + ln(e)^2) and steps far below sqrt(m/k_n); the scheme itself damps, "
+    "too.")
 CD_ATTRIBUTE(double, gapCorrection, 0, within(0, 1),
     "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step pushes out [1]; 0: overlaps are only kept from growing. "
     "The bodies keep the velocity by which the overlap is removed; the energy that this adds is subtracted from *dissipatedEnergy*. With few "
@@ -113,6 +127,13 @@ CD_ATTRIBUTE(double, handoverOverlap, 0, result,
 CD_ATTRIBUTE(double, dissipatedEnergy, 0, result,
     "Energy lost in friction and impacts since the engine was made [J]. With O.trackEnergy it also goes into O.energy['plastDissip'], beside "
     "'kinetic' and 'gravWork'.")
+CD_ATTRIBUTE(double, storedEnergy, 0, result,
+    "Energy of the springs of contacts with a stiffness after the last step [J]; with O.trackEnergy also O.energy['elastPotential'].")
+CD_ATTRIBUTE(double, dashpotEnergy, 0, result,
+    "Energy lost in their dashpots (*dampingRatio*) since the engine was made [J]; also O.energy['viscDissip'].")
+CD_ATTRIBUTE(double, dampedEnergy, 0, result,
+    "Energy lost in the time step since the engine was made [J]: backward Euler damps contacts with a stiffness, a contact of frequency omega by the "
+    "factor 1/sqrt(1 + (omega O.dt)^2) a step. Also O.energy['numDissip'].")
 CD_ATTRIBUTE(long, steps, 0, result, "Steps made [1].")
 CD_ATTRIBUTE(long, unconvergedSteps, 0, result, "Steps that missed their tolerance [1]; steps under *fixedIterations* are not counted.")
 CD_ATTRIBUTE(long, totalIterations, 0, result, "Sweeps and factorizations made in all steps [1].")

@@ -48,6 +48,17 @@ namespace {
 		energy["plastDissip"] = known.get("plastDissip", 0.) + plastDissip;
 	}
 
+	// The same of springs. elastPotential replaces the value there.
+	void trackSprings(double elastPotential, double viscDissip, double numDissip)
+	{
+		const WithInterpreterLock locked;
+		py::object energy = py::import("yade").attr("O").attr("energy");
+		const py::dict known(energy.attr("items")());
+		energy["elastPotential"] = elastPotential;
+		energy["viscDissip"] = known.get("viscDissip", 0.) + viscDissip;
+		energy["numDissip"] = known.get("numDissip", 0.) + numDissip;
+	}
+
 } // namespace
 
 std::atomic<ContactDynamics*> ContactDynamics::latest { nullptr };
@@ -146,17 +157,31 @@ void ContactDynamics::release()
 // round-off of `unrest` may depend on the way in which a step is made, and must not change the tolerance.
 double ContactDynamics::nextTolerance() const
 {
+	if (!stiffnessSettings().rigid()) {
+		double next = tolerance;
+		while (next > leastTolerance() && unrest * tolerance < next)
+			next /= 10;
+		return std::max(next, leastTolerance());
+	}
 	double next = flowTolerance;
 	while (next > tolerance && unrest < next)
 		next = next > 11 * tolerance ? next / 10 : tolerance;
 	return std::max(next, tolerance);
 }
 
+// Smallest tolerance with stiffnesses: that of contacts in which nothing moves.
+double ContactDynamics::leastTolerance() const
+{
+	constexpr double leastMotion = 1e-8, finest = 1e-10;
+	return std::max(finest, leastMotion * tolerance);
+}
+
 // A step after one with a larger tolerance begins with a poor guess and takes many sweeps, so the tolerance falls only after some steps at rest.
 void ContactDynamics::noteUnrest(const cd::StepReport& report)
 {
-	constexpr double fades = 0.9; // in a step; tenfold in 22
-	const double now = report.solver.work > 0 ? report.dissipated / report.solver.work : 0;
+	const bool rigid = stiffnessSettings().rigid();
+	const double fades = rigid ? 0.9 : 0.5; // in a step; tenfold in 22, or in 4
+	const double now = report.solver.work > 0 ? (rigid ? report.dissipated : report.work) / report.solver.work : 0;
 	unrest = std::max(now, fades * unrest);
 }
 
@@ -167,16 +192,39 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.dt = scene_dt(of);
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
+	s.dampingRatio = dampingRatio;
 	s.allowedOverlap = allowedOverlap;
 	s.warmStart = warmStart && !unbounded; // impulses that have grown without a bound hold nothing
 	s.iteration = scene_iter(of);
 	s.reduce = reduce;
 	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
 	s.solve = cd::findSolver(method);
-	s.restTolerance = tolerance;
+	s.restTolerance = stiffnessSettings().rigid() ? tolerance : leastTolerance();
 	s.solver = { nextTolerance(), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
 		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
+	return s;
+}
+
+StiffnessSettings ContactDynamics::stiffnessSettings() const { return { materialStiffness, stiffness, tangentialStiffness }; }
+
+// Refuses settings that contradict each other.
+StiffnessSettings ContactDynamics::readStiffness() const
+{
+	const std::lock_guard<std::mutex> lock(attributesLock);
+	const StiffnessSettings s = stiffnessSettings();
+	const bool finite = std::isfinite(s.kn) || std::isfinite(s.kt);
+	if (s.ofMaterials && finite)
+		throw SceneError("ContactDynamics: materialStiffness takes the stiffnesses from the materials. Set it to False, or stiffness and "
+				 "tangentialStiffness to inf");
+	if (s.rigid() && (finite || dampingRatio > 0))
+		throw SceneError(
+		    text("ContactDynamics: ", finite ? "tangentialStiffness" : "dampingRatio", " needs a stiffness: set stiffness, too"));
+	if (!s.rigid() && restitution > 0)
+		throw SceneError("ContactDynamics: contacts with a stiffness rebound by their springs. Set restitution to 0; a dampingRatio of "
+				 "-ln(e)/sqrt(pi^2 + ln(e)^2) gives the restitution e");
+	if (!s.rigid() && gapCorrection > 0)
+		throw SceneError("ContactDynamics: springs need their overlaps. Set gapCorrection to 0, or stiffness to inf");
 	return s;
 }
 
@@ -219,6 +267,7 @@ void ContactDynamics::advance()
 		return repeatIdleStep(weighs);
 	others.check(this, scene, weighs != Vector3r::Zero());
 	const cd::StepSettings settings = this->settings(scene);
+	link.stiffness = readStiffness();
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	last = settings;
@@ -236,12 +285,14 @@ void ContactDynamics::advance()
 	link.finishStep(step, settings.dt);
 	moved = true;
 	idle = made.idle;
+	const double deepestBefore = deepestPenetration, dashpotsBefore = dashpotEnergy, dampedBefore = dampedEnergy;
+	report(made, settings, takesOver);
 	if (tracks) {
 		const Energy after = energyOf(link.world, weighs);
 		track(after.kinetic, after.weight - height, made.dissipated);
+		if (link.world.compliant())
+			trackSprings(storedEnergy, dashpotEnergy - dashpotsBefore, dampedEnergy - dampedBefore);
 	}
-	const double deepestBefore = deepestPenetration;
-	report(made, settings);
 	show();
 	if (!converged && fixedIterations == 0)
 		warnOfUnsolved();
@@ -265,7 +316,11 @@ void ContactDynamics::repeatIdleStep(const Vector3r& weighs)
 
 void ContactDynamics::takeOverlaps()
 {
-	const double largest = link.takeOverlaps();
+	double largest = 0;
+	if (link.world.compliant())
+		link.forgetOverlaps();
+	else
+		largest = link.takeOverlaps();
 	const std::lock_guard<std::mutex> lock(attributesLock);
 	link.collectOverlaps(memory().overlaps);
 	handoverOverlap = std::max(largest, std::numeric_limits<double>::min()); // not 0: it tells run_hooks.py that this engine takes over
@@ -290,7 +345,7 @@ cd::StepReport ContactDynamics::solve(const Vector3r& weighs, const cd::StepSett
 }
 
 // Copies the report into the attributes.
-void ContactDynamics::report(const cd::StepReport& report, const cd::StepSettings& settings)
+void ContactDynamics::report(const cd::StepReport& report, const cd::StepSettings& settings, bool takesOver)
 {
 	const std::lock_guard<std::mutex> lock(attributesLock);
 	if (!step.overlapsForgotten().empty())
@@ -328,6 +383,10 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 	deepestPenetration = std::max(deepestPenetration, maxPenetration);
 	largestResidual = residual <= largestResidual || std::isnan(largestResidual) ? largestResidual : residual; // a NaN stays
 	dissipatedEnergy += report.dissipated;
+	dashpotEnergy += report.dashpots;
+	// What the springs absorb and do not keep, and what the geometry of a step changes in the energy that they kept.
+	dampedEnergy += report.damped + report.absorbed - report.dashpots + (takesOver ? report.storedBefore : storedEnergy) - report.stored;
+	storedEnergy = report.stored;
 	steps++;
 	totalIterations += iterations;
 	solveTime += report.solveSeconds;
@@ -340,7 +399,7 @@ bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
 {
 	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
 	    && now.allowedOverlap == last.allowedOverlap && now.restTolerance == last.restTolerance && now.reduce && now.solver.fixedIterations == 0
-	    && now.solver.seed == 0 && warmStart && !handover;
+	    && now.dampingRatio == last.dampingRatio && now.solver.seed == 0 && warmStart && !handover;
 }
 
 } // namespace cd_engine

@@ -39,6 +39,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double nextTolerance() const;
 	void noteUnrest(const cd::StepReport&);
 	cd::StepSettings settings(yade::Scene*) const;
+	StiffnessSettings stiffnessSettings() const;
+	double leastTolerance() const;
 	void recallRest();
 	void show();
 	void takeOver();
@@ -48,7 +50,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void repeatIdleStep(const Vector3r& weighs);
 	void takeOverlaps();
 	cd::StepReport solve(const Vector3r& weighs, const cd::StepSettings&);
-	void report(const cd::StepReport&, const cd::StepSettings&);
+	StiffnessSettings readStiffness() const;
+	void report(const cd::StepReport&, const cd::StepSettings&, bool takesOver);
 	bool sleepGoesOn(const cd::StepSettings&) const;
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength }, attributesLock }; }
 	bool checksOrder() const { return steps % 64 == 0; }

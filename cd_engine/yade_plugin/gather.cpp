@@ -234,6 +234,35 @@ void SceneLink::setFriction(cd::Threads& threads)
 	});
 }
 
+// As YADE's Ip2_FrictMat_FrictMat_FrictPhys, in its order of operations; for a boundary YADE's functors take the disk's radius.
+cd::Stiffness SceneLink::stiffnessOf(const cd::Pair& pair) const
+{
+	if (!stiffness.ofMaterials)
+		return { stiffness.kn, stiffness.kt };
+	const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
+	const double rb = world.bodyOf(pair.b).radius, ra = isBoundary(world.bodyOf(pair.a)) ? rb : world.bodyOf(pair.a).radius;
+	const double kn = 2 * a.young * ra * b.young * rb / (a.young * ra + b.young * rb);
+	const double kt = a.poisson > 0 && b.poisson > 0
+	    ? 2 * a.young * ra * a.poisson * b.young * rb * b.poisson / (a.young * ra * a.poisson + b.young * rb * b.poisson)
+	    : 0;
+	return { kn, kt };
+}
+
+// Wakes all islands if a stiffness has changed.
+void SceneLink::setStiffness(cd::Sleepers& sleepers)
+{
+	const std::size_t count = stiffness.rigid() ? 0 : world.pairs.size();
+	bool changed = world.stiffnesses.size() != count;
+	world.stiffnesses.resize(count);
+	for (std::size_t i = 0; i < count; i++) {
+		const cd::Stiffness now = stiffnessOf(world.pairs[i]);
+		changed = changed || now.kn != world.stiffnesses[i].kn || now.kt != world.stiffnesses[i].kt;
+		world.stiffnesses[i] = now;
+	}
+	if (changed)
+		sleepers.wakeAll(world, { "stiffnesses of contacts have changed", -1 });
+}
+
 void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin, cd::TimeStep& step,
     const std::vector<double>& outran)
 {
@@ -264,6 +293,8 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	gone.clear();
 	if (read || searched)
 		setFriction(step.threads);
+	if (!stiffness.rigid() || world.compliant())
+		setStiffness(step.sleepers);
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)

@@ -67,6 +67,7 @@ inline Member<double> state_mass { "State", "mass" };
 inline Member<unsigned> state_blockedDOFs { "State", "blockedDOFs", 304 };
 
 inline Member<double> sphere_radius { "Sphere", "radius" }, frictMat_frictionAngle { "FrictMat", "frictionAngle" };
+inline Member<double> elastMat_young { "ElastMat", "young" }, elastMat_poisson { "ElastMat", "poisson" };
 inline Member<Vector3r> box_extents { "Box", "extents" };
 inline Member<int> wall_sense { "Wall", "sense" }, wall_axis { "Wall", "axis" };
 

@@ -8,7 +8,7 @@ namespace {
 	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
 	py::tuple bodyArrays(const cd::ContactSystem& system)
 	{
-		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
+		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses, compliances, slipBias;
 		std::vector<int32_t> pairs;
 		for (const cd::BodyVelocity& b : system.bodies) {
 			masses.insert(masses.end(), b.w, b.w + 3);
@@ -21,11 +21,13 @@ namespace {
 			normals.insert(normals.end(), { c.nx, c.ny });
 			arms.insert(arms.end(), { c.an, c.at, c.bn, c.bt });
 			bias.push_back(c.bias);
+			compliances.insert(compliances.end(), { c.cn, c.ct });
+			slipBias.push_back(c.slipBias);
 			mu.push_back(c.mu);
 			impulses.insert(impulses.end(), { c.pn, c.pt });
 		}
-		return py::make_tuple(
-		    bytes(masses), bytes(velocities), bytes(pairs), bytes(normals), bytes(arms), bytes(bias), bytes(mu), bytes(impulses));
+		return py::make_tuple(bytes(masses), bytes(velocities), bytes(pairs), bytes(normals), bytes(arms), bytes(bias), bytes(mu),
+		    bytes(impulses), bytes(compliances), bytes(slipBias));
 	}
 
 } // namespace
@@ -45,9 +47,12 @@ py::tuple ContactDynamics::nextProblem()
 	std::vector<double> overlaps = referenceOverlaps;
 	double length = bodyOrderLength;
 	SceneLink copy;
+	copy.stiffness = stiffnessSettings();
 	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
 	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
-	if (handover)
+	if (handover && copy.world.compliant())
+		copy.forgetOverlaps();
+	else if (handover)
 		copy.takeOverlaps();
 	cd::TimeStep next;
 	return bodyArrays(next.assemble(copy.world, settings));

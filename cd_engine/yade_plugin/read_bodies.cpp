@@ -234,8 +234,17 @@ void SceneLink::readFriction(int id, void* mat)
 	    std::find(materials.begin(), materials.end(), vtable) == materials.end()) {
 		materials.push_back(vtable);
 		if (const std::string name = className(mat); name != "FrictMat")
-			warnOnce(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
+			warnOnce(stiffness.rigid()
+				? text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping.")
+				: text("of a ", name, " only the members of a FrictMat are used, not its cohesion or damping."),
 			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));
+	}
+	if (stiffness.ofMaterials) {
+		known.young = elastMat_young(mat);
+		known.poisson = elastMat_poisson(mat);
+		if (!(known.young > 0 && std::isfinite(known.young) && known.poisson >= 0 && std::isfinite(known.poisson)))
+			refuseBody(id, text("has a material with young = ", known.young, " Pa and poisson = ", known.poisson),
+			    "With materialStiffness, set O.bodies[#].mat.young above 0 and .poisson (k_t/k_n of two equal bodies) to at least 0");
 	}
 	const double angle = frictMat_frictionAngle(mat);
 	if (angle == known.frictionAngle)

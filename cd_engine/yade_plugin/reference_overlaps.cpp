@@ -65,6 +65,12 @@ double SceneLink::takeOverlaps()
 	return largest;
 }
 
+void SceneLink::forgetOverlaps()
+{
+	for (cd::Pair& pair : world.pairs)
+		pair.reference = 0;
+}
+
 const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const
 {
 	const std::vector<int32_t>& pairs = step.pairs();

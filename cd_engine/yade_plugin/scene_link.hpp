@@ -47,6 +47,7 @@ struct KnownBody {
 	int placed = 0; // number of steps in a row before which somebody has set its position
 	long placedAt = 0; // the last of them
 	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
+	double young = 0, poisson = 0; // of its material [Pa], [1]
 };
 void prefetchBody(const KnownBody&);
 
@@ -59,9 +60,19 @@ struct ForceObjects {
 	bool inUse() const { return real && geom; }
 };
 
+// Of the contacts: rigid if kn is infinite, unless the materials determine it.
+struct StiffnessSettings {
+	bool ofMaterials = false;
+	double kn = cd::endless, kt = cd::endless; // [N/m]
+
+	bool rigid() const { return !ofMaterials && kn == cd::endless; }
+};
+
 class SceneLink {
     public:
 	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
+
+	StiffnessSettings stiffness; // to be set before the scene is read
 
 	// Reads the scene, unless the scene is out of date. checksOrder: whether this step checks that the order of the bodies is still good.
 	// `margin`: the searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
@@ -71,6 +82,8 @@ class SceneLink {
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder);
 	// Makes the overlaps present now the reference ones. Returns the largest one of two bodies of which one can move [m].
 	double takeOverlaps();
+	// Forgets all reference overlaps: springs count gaps from geometric contact.
+	void forgetOverlaps();
 	// Turns the bodies by a step of dt. From then on the scene is out of date, until it is published.
 	void finishStep(cd::TimeStep&, double dt);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
@@ -126,6 +139,9 @@ class SceneLink {
 	bool readForces(cd::Sleepers*);
 	cd::Carried readForce(std::size_t pair, bool turned);
 	void setFriction(cd::Threads&);
+	void setStiffness(cd::Sleepers&);
+	cd::Stiffness stiffnessOf(const cd::Pair&) const;
+	cd::Touch touchAfterStep(std::size_t pair) const;
 	void recycle(ForceObjects&&);
 	void makeReal(std::size_t pair);
 	void orient(int id);

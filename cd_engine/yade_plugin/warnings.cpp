@@ -143,7 +143,7 @@ void ContactDynamics::warnOfPenetration(double before, bool takesOver) const
 {
 	const double smallest = cd::smallestRadius(link.world);
 	const auto passes = [&](double share) { return before <= share * smallest && deepestPenetration > share * smallest; };
-	if (!(passes(deep) || passes(veryDeep)) || warnedOfUnsolvable || link.boundariesPlaced())
+	if (!((passes(deep) && !link.world.compliant()) || passes(veryDeep)) || warnedOfUnsolvable || link.boundariesPlaced())
 		return; // an unsolvable step, or a boundary that is moved by its position, has its own warning
 	const cd::Pair& deepest = link.deepest(step);
 	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": bodies #" << deepest.a << " and #" << deepest.b << " overlap by "
@@ -157,6 +157,8 @@ void ContactDynamics::warnOfPenetration(double before, bool takesOver) const
 // add up; and a step may be too long for the speed or rotation of the bodies. grown: in this step [m].
 std::string ContactDynamics::remedyForPenetration(const cd::Pair& deepest, double grown, double smallest, bool takesOver) const
 {
+	if (link.world.compliant())
+		return "The springs are too soft for what presses on them, or the step is too long: raise the stiffness, or take a smaller O.dt";
 	const bool atOnce = grown > 0.5 * deep * smallest, misses = !converged || fixedIterations > 0;
 	const double longest = link.pairSearch().longestWay();
 	// That two bodies can approach each other in the step. One that has come with it overlaps because it was put there; if the scene has just

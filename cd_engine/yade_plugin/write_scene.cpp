@@ -42,8 +42,11 @@ namespace {
 void SceneLink::recycle(ForceObjects&& o)
 {
 	static Kind isPlainGeom { "ScGeom", Kind::exactly }, isPlainPhys { "FrictPhys", Kind::exactly };
-	if (o.geom.use_count() == 1 && o.phys.use_count() == 1 && isPlainGeom(o.geom.get()) && isPlainPhys(o.phys.get()) && phys_kn(o.phys) == 0)
+	if (o.geom.use_count() == 1 && o.phys.use_count() == 1 && isPlainGeom(o.geom.get()) && isPlainPhys(o.phys.get())
+	    && (phys_kn(o.phys) == 0 || world.compliant())) {
+		phys_kn(o.phys) = phys_ks(o.phys) = 0;
 		pool.push_back(std::move(o));
+	}
 }
 
 // Gives an interaction to a pair that carries something for the first time.
@@ -107,9 +110,21 @@ void SceneLink::writeContact(std::size_t index, const cd::Touch& touch)
 	geom_contactPoint(g) = Vector3r(touch.cx, touch.cy, layer);
 	geom_penetrationDepth(g) = touch.overlap;
 	phys_tangensOfFrictionAngle(p) = world.pairs[index].mu;
+	if (world.compliant()) {
+		phys_kn(p) = world.stiffnesses[index].kn;
+		phys_ks(p) = world.stiffnesses[index].kt;
+	}
 	geom_normal(g) = Vector3r(carried.nx, carried.ny, 0);
 	phys_normalForce(p) = Vector3r(carried.fn[0], carried.fn[1], 0);
 	phys_shearForce(p) = Vector3r(carried.ft[0], carried.ft[1], 0);
+}
+
+// Springs belong to the places at the end of the step; the normal is that of the force.
+cd::Touch SceneLink::touchAfterStep(std::size_t index) const
+{
+	const cd::Pair& pair = world.pairs[index];
+	const cd::Place a = cd::placeAhead(world.bodyOf(pair.a), 0), b = cd::placeAhead(world.bodyOf(pair.b), 0);
+	return cd::touchAt(world.carried[index].nx, world.carried[index].ny, -cd::locateContact(a, b, world.shapes[pair.a]).overlap, b);
 }
 
 void SceneLink::writeMotion(std::size_t id)
@@ -166,7 +181,7 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
 				insert(*scene_interactions(scene), i);
 			if (!objects[i].inUse())
 				makeReal(i);
-			writeContact(i, step.touchOf(world, i));
+			writeContact(i, world.compliant() ? touchAfterStep(i) : step.touchOf(world, i));
 		} else if (objects[i].real) {
 			objects[i].real = false;
 			forget(interactions[i]);

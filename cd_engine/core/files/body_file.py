@@ -12,13 +12,14 @@ from .problem import made, replaced
 
 SIGNATURE = b"PK\x03\x04"  # start of a .npz file, which is a zip archive
 NAMES = tuple(field.name for field in fields(BodyProblem))
+OPTIONAL = ("compliances", "slip_bias")  # of contacts with a stiffness; files of rigid ones lack them
 
 
 def write(path, problem):
     """Write `problem`. An existing file of that name is replaced only once the new one is complete."""
     problem = replace(problem)  # checked anew, since its arrays may have been changed
     with replaced(path) as aside, open(aside, "wb") as file:
-        np.savez(file, **{name: getattr(problem, name) for name in NAMES})
+        np.savez(file, **{name: getattr(problem, name) for name in NAMES if name not in OPTIONAL or problem.compliances.any()})
 
 
 def read(path):
@@ -28,7 +29,7 @@ def read(path):
     except Exception as error:  # many types, of zipfile and of NumPy
         raise ValueError(f"{path}: not a complete .npz file ({error})") from None
     with archive:
-        return made(path, BodyProblem, **{name: _array(path, archive, name) for name in NAMES})
+        return made(path, BodyProblem, **{name: _array(path, archive, name) for name in NAMES if name not in OPTIONAL or name in archive.files})
 
 
 def _array(path, archive, name):

@@ -23,6 +23,9 @@ class BodyProblem:
     bias             (n,): added to the normal relative velocity [m/s]: gap/h, or Newton's restitution
     mu               (n,): Coulomb's friction coefficient, from 0 to 1e6
     impulses         (2n,): a first guess [N s], such as the solution of the step before; default: zero. `solve` starts from it only if told to
+    compliances      (2n,): C [1/kg] of contacts with a stiffness, such as 1/(k_n h^2), 1/(k_t h^2); default: zero. The normal ones are all above 0 or
+                     all 0. The law is then that of u + C p (contact_system.hpp)
+    slip_bias        (n,): added to the tangential relative velocity [m/s] of such contacts; default: zero
 
     Sweeps visit the contacts in the order given, so contacts near in space should be near in the list. ValueError, with the place, is raised for
     any other input, and for a contact of two bodies that cannot move along its normal.
@@ -35,6 +38,8 @@ class BodyProblem:
     bias: np.ndarray
     mu: np.ndarray
     impulses: np.ndarray = field(default=None)
+    compliances: np.ndarray = field(default=None)
+    slip_bias: np.ndarray = field(default=None)
 
     def __post_init__(self):
         bodies, n = (_length(name, getattr(self, name)) for name in ("inverse_masses", "mu"))
@@ -46,7 +51,13 @@ class BodyProblem:
         self.bias = array("bias", self.bias, (n,))
         self.mu = array("mu", self.mu, (n,))
         self.impulses = np.zeros(2 * n) if self.impulses is None else array("impulses", self.impulses, (2 * n,))
+        self.compliances = np.zeros(2 * n) if self.compliances is None else array("compliances", self.compliances, (2 * n,))
+        self.slip_bias = np.zeros(n) if self.slip_bias is None else array("slip_bias", self.slip_bias, (n,))
         refuse_negative("inverse_masses", self.inverse_masses)
+        refuse_negative("compliances", self.compliances)
+        normal = self.compliances[::2] > 0
+        if normal.any() != normal.all() or not normal.any() and (self.compliances.any() or self.slip_bias.any()):
+            raise ValueError("compliances: either all contacts have a normal compliance above 0, or none has any compliance or slip_bias")
         refuse_friction(self.mu)
         if (wrong := np.flatnonzero(np.abs(np.hypot(*self.normals.T) - 1) > UNIT)).size:
             raise ValueError(f"normals[{wrong[0]}] has the length {np.hypot(*self.normals[wrong[0]]):.12g}, not 1")
@@ -67,17 +78,18 @@ class BodyProblem:
         return self.free_velocities + self.inverse_masses * push.reshape(-1, 3)
 
     def velocities(self, impulses):
-        """Return the relative velocities u [m/s] for impulses p [N s], 2n each; the bias is included."""
+        """Return the relative velocities u + C p [m/s] for impulses p [N s], 2n each; the biases are included."""
         v = self.body_velocities(impulses).ravel()
-        return np.stack([self._normals().T @ v + self.bias, self._tangents().T @ v], axis=1).ravel()
+        return np.stack([self._normals().T @ v + self.bias, self._tangents().T @ v + self.slip_bias], axis=1).ravel() \
+            + self.compliances * impulses
 
     def delassus(self):
-        """Return the problem as a `Problem`: W = H^T M^-1 H, q = H^T v + bias. In a dense packing W takes four times the memory of this form."""
+        """Return the problem as a `Problem`: W = H^T M^-1 H + C, q = H^T v + bias. In a dense packing W takes four times the memory of this form."""
         H = sparse.hstack([self._normals(), self._tangents()]).tocsc()[:, np.arange(2 * self.contacts).reshape(2, -1).T.ravel()]
         # sqrt(M^-1) on either side, so that W is symmetric to the last bit.
         H = sparse.diags(np.sqrt(self.inverse_masses.ravel())) @ H
         H.eliminate_zeros()  # a body that does not move couples none of its contacts
-        return Problem(H.T @ H, self.velocities(np.zeros(2 * self.contacts)), self.mu)
+        return Problem(H.T @ H + sparse.diags(self.compliances) if self.compliances.any() else H.T @ H, self.velocities(np.zeros(2 * self.contacts)), self.mu)
 
     def _normals(self):
         """Return a (3N, n) matrix: column i holds the forces and torques on all bodies of a unit impulse along the normal of contact i."""
