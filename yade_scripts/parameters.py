@@ -23,6 +23,8 @@ MOST_STEPS = 1e12  # from one sample to the next: twelve days, if a step takes a
 # Version of what the defaults mean, here and in the scenes: part of the name of every run.
 MEANING = 2
 
+SPRING_TOLERANCE = 0.1  # default of `tolerance` where cd_contacts = springs, as in cd_engine.engines
+
 REGISTRY = {p.name: p for p in (
     Parameter("scene", "biaxial", "1", "what is simulated", choices=scenes.names()),
     Parameter("method", "MD", "1", "MD: springs and dashpots; CD: rigid contacts", choices=("MD", "CD")),
@@ -76,6 +78,9 @@ REGISTRY = {p.name: p for p in (
     Parameter("md_energies", True, "1", "sum the work of friction and dashpots in every step; without it a step costs 5 to 10 % less, and the "
               "dissipated energy is unknown (NaN)", method="MD"),
     Parameter("cd_dt", 1e-3, "s", "largest CD step", above=0, high=1, method="CD"),
+    Parameter("cd_contacts", "rigid", "1", "rigid; springs: Contact Dynamics with the springs and dashpots of the row (kn, kt_over_kn, beta_n), solved at "
+              "the end of each step; restitution and gap_correction have no effect, and tolerance is relative to the motion of a step, by default 0.1",
+              choices=("rigid", "springs"), method="CD"),
     # The contact solver: attributes of ContactDynamics.
     Parameter("method_cd", "auto", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),
     Parameter("tolerance", 1e-8, "1", "a CD step counts as solved when its errors (residual, also weighted by W_nn, and bodyError) are at most this",
@@ -139,7 +144,10 @@ def defaults(scene):
 def complete(row):
     """Return the full row: `row`, checked, over the defaults of the scene and of the registry. Raise ParameterError if it cannot be run."""
     scene = REGISTRY["scene"].check(row.get("scene", REGISTRY["scene"].default))
-    full = defaults(scene) | _checked(row, scene)
+    usual, checked = defaults(scene), _checked(row, scene)
+    if "springs" in (checked.get("cd_contacts"), usual["cd_contacts"]):
+        usual["tolerance"] = SPRING_TOLERANCE
+    full = usual | checked
     _check_together(full)
     return full
 
@@ -250,6 +258,11 @@ def stiffness(full):
     return full["kn"] * full["stiffening"]
 
 
+def damping(full):
+    """Return the damping ratio beta_n of the springs of the run."""
+    return full["beta_n"] * (full["damping_factor"] if full["method"] == "MD" else 1)
+
+
 def pressure(full):
     """Return P0 [Pa]."""
     return full["pressure_ratio"] * full["kn"] / full["depth"]
@@ -283,9 +296,9 @@ def steps(full, largest):
 def restitution(full):
     """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5 over half a period, exp(-pi beta/sqrt(1 - beta^2)), or 0 from
     beta = 1 on, where the disks do not separate any more."""
-    if full["method"] == "CD":
+    if full["method"] == "CD" and full["cd_contacts"] == "rigid":
         return full["restitution"]
-    beta = full["beta_n"] * full["damping_factor"]
+    beta = damping(full)
     return math.exp(-math.pi * beta / math.sqrt(1 - beta**2)) if beta < 1 else 0.0
 
 

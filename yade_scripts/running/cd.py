@@ -3,6 +3,7 @@ from yade import O
 from yade.wrapper import FrictMat
 
 import cd_engine
+from yade_scripts import parameters
 from yade_scripts.running import hooks, walls
 
 # Parameters that are attributes of ContactDynamics: attribute -> parameter.
@@ -16,16 +17,21 @@ def set_engines(full, scene, goals=None):
     """Set O.engines for a scene. Its free walls are loaded by goals(t) -> (sigma1, sigma2) [Pa], or not at all.
 
     Samples are taken before a step begins: positions after the last step, forces that acted in it. The load is that of the
-    middle of the step (Moreau-Jean scheme, theta = 1/2). No runner is due at every step unless walls are loaded: before each step in which one is
+    middle of the step (Moreau-Jean scheme, theta = 1/2), with springs that of its end (theta = 1). No runner is due at every step unless walls are loaded: before each step in which one is
     due, ContactDynamics writes its state to the scene, which costs a quarter of a step of a flow.
     """
     _forget_dashpots()
     settings = {attribute: full[name] for attribute, name in SETTINGS.items()}
+    springs = full["cd_contacts"] == "springs"
+    if springs:
+        kn = parameters.stiffness(full)
+        settings |= {"stiffness": kn, "tangentialStiffness": full["kt_over_kn"] * kn, "dampingRatio": parameters.damping(full),
+                     "restitution": 0.0, "gapCorrection": 0.0}
     reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), **settings)
     engine.label = "contact_dynamics"  # its name at the console
     engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING), reset, collider]
     if goals is not None:
-        scene.load = walls.ForceLoad(goals, implicit=True)
+        scene.load = walls.ForceLoad(goals, implicit=True, lead=O.dt if springs else O.dt / 2)
         engines.append(hooks.runner(scene.load.apply, iterPeriod=1, initRun=True))
     O.engines = engines + [engine]
 

@@ -49,7 +49,7 @@ def set_friction(disks, wall):
 
 def damping(full):
     """Return the damping ratio beta_n of the contacts while they are loaded."""
-    return full["beta_n"] * full["damping_factor"]
+    return parameters.damping(full)
 
 
 def set_damping(ratio):

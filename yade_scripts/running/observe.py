@@ -13,14 +13,14 @@ def loaded_contacts():
     return np.array(rows).reshape(-1, 4).T
 
 
-def stored_energy():
-    """Return the elastic energy [J] of the springs of eqs. 5 and 6.
+def stored_energy(loaded=False):
+    """Return the elastic energy [J] of the springs of eqs. 5 and 6; loaded: of a scene at rest that has just been loaded, where overlaps are not known.
 
     It is computed from the overlap, since the normal force includes the dashpot. An opening contact still has spring energy when its dashpot pulls
     harder than its spring pushes.
     """
-    springs = np.array([(i.phys.kn, i.geom.penetrationDepth, i.phys.ks, i.phys.shearForce.norm()) for i in bodies.contacts()
-                        if i.geom.penetrationDepth > 0]).reshape(-1, 4)
+    springs = np.array([(i.phys.kn, depth, i.phys.ks, i.phys.shearForce.norm()) for i in bodies.contacts()
+                        if (depth := i.phys.normalForce.norm() / i.phys.kn if loaded else i.geom.penetrationDepth) > 0]).reshape(-1, 4)
     return float(np.sum(springs[:, 0] * springs[:, 1]**2 + springs[:, 3]**2 / springs[:, 2]) / 2)
 
 

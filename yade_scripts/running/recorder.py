@@ -168,7 +168,9 @@ class Recorder:
 
     def _cd(self):
         engine = hooks.engine("ContactDynamics")
-        return {"stored_energy": 0.0, "dissipated_energy": engine.dissipatedEnergy, "max_penetration": engine.maxPenetration,
+        springs, lost = engine.stiffness < math.inf, engine.dissipatedEnergy + engine.dashpotEnergy + engine.dampedEnergy
+        stored = observe.stored_energy(loaded=True) if springs and not engine.steps else engine.storedEnergy
+        return {"stored_energy": stored, "dissipated_energy": lost, "max_penetration": engine.maxPenetration,
                 "iterations": engine.iterations, "residual": engine.residual, "residual_max": engine.largestResidual,
                 "unconverged_steps": engine.unconvergedSteps}
 

@@ -93,9 +93,9 @@ def set_free(mass):
 class Load:
     """Applies goals(t) -> (sigma1, sigma2) at every call of `apply` and sums the work done. Forces and positions are those of x-, x+, y-, y+."""
 
-    def __init__(self, goals, implicit=False):
-        """implicit: of Contact Dynamics, where a load holds throughout its step; it is that of the middle of the step."""
-        self.goals, self.implicit, self.lead = goals, implicit, O.dt / 2 if implicit else 0.0
+    def __init__(self, goals, implicit=False, lead=0.0):
+        """implicit: of Contact Dynamics, where a load holds throughout its step; it is that of the time `lead` [s] after the beginning of the step."""
+        self.goals, self.implicit, self.lead = goals, implicit, lead
         self.goal = goals(0.0)
         self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * 4
 
