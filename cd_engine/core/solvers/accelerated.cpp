@@ -30,6 +30,8 @@ namespace {
 	    public:
 		explicit Momentum(Sweep& s)
 		    : sweep(s)
+		    , highest(std::min(0.999, bestFor(s.yield())))
+		    , cap(std::min(0.9, highest))
 		{
 		}
 
@@ -50,7 +52,9 @@ namespace {
 
 	    private:
 		static constexpr int window = 20; // sweeps over which the changes must decrease
-		static constexpr double highest = 0.999; // upper limit of the cap
+		// The best constant beta where stiffnesses make W + C positive definite: the smallest eigenvalue is at least s, over the diagonal
+		// (Nesterov 2004, Introductory Lectures on Convex Optimization, section 2.2.1).
+		static double bestFor(double s) { return (1 - std::sqrt(s)) / (1 + std::sqrt(s)); }
 
 		// Sums over the sweeps of one window.
 		struct Window {
@@ -86,7 +90,8 @@ namespace {
 		}
 
 		Sweep& sweep;
-		double t = 1, cap = 0.9;
+		const double highest; // upper limit of the cap
+		double t = 1, cap;
 		double advance = 0; // |p+ - p|^2 of the last sweep [N^2 s^2]
 		Window now, last;
 		double smallest = std::numeric_limits<double>::infinity(); // smallest change in a window

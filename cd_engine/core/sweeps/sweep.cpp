@@ -1,5 +1,6 @@
 #include "sweeps/sweep.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace cd {
@@ -49,6 +50,22 @@ void Sweep::restoreVelocities()
 			problem.bodies.now[i] = { moved[i].vx + 0., moved[i].vy + 0., moved[i].spin + 0., problem.bodies.now[i].w };
 	});
 	remembered = false; // what is remembered still contains the round-off
+}
+
+double Sweep::yield() const
+{
+	const PackedContacts& contacts = problem.contacts;
+	if (contacts.springs.empty())
+		return 0;
+	double least = 1;
+	for (std::size_t k = 0; k < contacts.groups.size(); k++)
+		for (int lane = 0; lane < Group::lanes; lane++)
+			if (contacts.grouping.members[k * Group::lanes + lane] >= 0)
+				least = std::min(least, contacts.springs[k].n[lane] * contacts.groups[k].inverseWnn[lane]);
+	for (const LooseContact& l : contacts.loose)
+		if (l.row.wnn > 0)
+			least = std::min(least, l.row.cn / l.row.nn());
+	return least;
 }
 
 void Sweep::copyTo(Iterate& p) const

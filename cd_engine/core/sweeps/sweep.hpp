@@ -27,6 +27,9 @@ class Sweep {
 	// The error of the packed impulses: that of residual(), except for the order of its sums.
 	Residual error() { return packed.error(system, problem, threads); }
 
+	// The smallest share of a contact's own stiffness in its block of W + C, C_n/(W_nn + C_n); 0 where contacts are rigid.
+	double yield() const;
+
 	void copyTo(Iterate&) const;
 	void copyFrom(const Iterate&);
 
