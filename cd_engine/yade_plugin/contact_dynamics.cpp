@@ -199,7 +199,7 @@ cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
 	s.reduce = reduce;
 	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
 	s.solve = cd::findSolver(method);
-	s.restTolerance = stiffnessSettings().rigid() ? tolerance : leastTolerance();
+	s.restTolerance = stiffnessSettings().rigid() ? tolerance : 100 * leastTolerance();
 	s.solver = { nextTolerance(), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
 		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;

@@ -2,6 +2,7 @@
 #include "step/step.hpp"
 #include "worlds.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <doctest/doctest.h>
@@ -88,16 +89,17 @@ TEST_CASE("an impact of one contact follows the recursion of backward Euler, das
 	}
 }
 
-TEST_CASE("a step that is long beside all periods ends in the static state, whatever the stiffness")
+TEST_CASE("steps that are long beside a contact's period lead to the static state, whatever the stiffness")
 {
 	for (const double kn : { 1e3, 1e6, 1e13 }) {
 		World w = column(50, kn);
 		TimeStep t;
-		make(t, w, settingsOf(3e4 / std::sqrt(kn), 1e-10));
+		for (int i = 0; i < 20; i++) // the slowest motion keeps 0.3 of itself in each
+			make(t, w, settingsOf(100 / std::sqrt(kn), 1e-12));
 		for (int i = 0; i < 50; i++) {
 			const double distance = w.bodies[i + 1].y - w.bodies[i].y, force = 10 * (50 - i);
-			CHECK(w.carried[i].fn[1] == doctest::Approx(force).epsilon(1e-5).scale(500));
-			CHECK((i == 0 ? 0.1 : 0.2) - distance == doctest::Approx(force / kn).epsilon(1e-5).scale(500 / kn));
+			CHECK(w.carried[i].fn[1] == doctest::Approx(force).epsilon(1e-6).scale(500));
+			CHECK((i == 0 ? 0.1 : 0.2) - distance == doctest::Approx(force / kn).epsilon(1e-6).scale(std::max(500 / kn, 1e-9)));
 		}
 	}
 }

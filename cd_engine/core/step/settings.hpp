@@ -22,7 +22,7 @@ struct StepSettings {
 	Solver solve = nullptr;
 	SolverSettings solver;
 	// Tolerance of rest, if it is smaller than that of the step. The same in all steps, so that it does not matter in which of them an island is
-	// examined.
+	// examined. With stiffnesses, larger than the step's: errors of earlier steps leave the springs that much out of balance.
 	double restTolerance = std::numeric_limits<double>::infinity();
 };
 

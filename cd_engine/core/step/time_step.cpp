@@ -68,7 +68,8 @@ bool TimeStep::attempt(World& world, const StepView& step, StepReport& report)
 	prepare(world, step);
 	if (sleepers.wake(system.contacts, world))
 		return false;
-	const Stillness stillness { sleepers, world.bodies, rest, std::min(step.settings.restTolerance, wanted.tolerance) };
+	const double atRest = world.compliant() ? step.settings.restTolerance : std::min(step.settings.restTolerance, wanted.tolerance);
+	const Stillness stillness { sleepers, world.bodies, rest, atRest };
 	for (Goal goal { wanted.tolerance, wanted.maxIterations, 0 };;) {
 		const Status exactly = solve(step, stillness, goal, report);
 		Status& status = report.solver.status;
