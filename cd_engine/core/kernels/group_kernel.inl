@@ -4,6 +4,12 @@
 
 #include "problem/law.inl"
 
+using PackedBody = cd::PackedBody<Plane>;
+using Group = cd::Group<Plane>;
+using GroupBefore = cd::GroupBefore<Plane>;
+using BodyVelocity = cd::BodyVelocity<Plane>;
+using ContactRow = cd::ContactRow<Plane>;
+
 typedef double Vector __attribute__((vector_size(8 * LANES)));
 typedef double Quad __attribute__((vector_size(32), aligned(32), may_alias)); // a body
 

@@ -26,7 +26,7 @@
 namespace cd {
 namespace {
 
-	class Momentum {
+	template <class Sweep> class Momentum {
 	    public:
 		explicit Momentum(Sweep& s)
 		    : sweep(s)
@@ -100,7 +100,7 @@ namespace {
 
 } // namespace
 
-SolverReport accelerated(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep, Momentum>(system, settings); }
+SolverReport accelerated(ContactSystem<Plane>& system, const SolverSettings& settings) { return iterate<Sweep<Plane>, Momentum<Sweep<Plane>>>(system, settings); }
 
 // Momentum of groups can oscillate for ever: over W = 1 + 0.02, all entries, 1000 contacts, it stays at an error of 0.6, while plain sweeps
 // need 250. Plain sweeps are therefore tried, too. Both are compared at the same number of sweeps. The one with the smaller error goes on to

@@ -6,7 +6,7 @@
 
 namespace cd {
 
-SolverReport nsgs(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep>(system, settings); }
+SolverReport nsgs(ContactSystem<Plane>& system, const SolverSettings& settings) { return iterate<Sweep<Plane>>(system, settings); }
 SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
 
 } // namespace cd
