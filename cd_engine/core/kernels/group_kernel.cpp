@@ -7,7 +7,7 @@ namespace cd {
 
 // The functions of a target.
 #define KERNEL(name)                                                                                                                                 \
-	constexpr GroupKernel<Plane> kernel                                                                                                                 \
+	constexpr GroupKernel<Plane> kernel                                                                                                          \
 	    = { name, sweep, sweepAhead, extrapolate, addImpulses, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
 
 #define LANES 2

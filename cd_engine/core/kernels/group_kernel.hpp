@@ -31,7 +31,7 @@ struct alignas(64) PairLanes {
 	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
 	Ends ends[lanes];
 	int32_t a[lanes], b[lanes]; // the same
-	int32_t index[lanes]; // in World::pairs
+	int32_t index[lanes]; // in World::carried
 };
 // What impulses on eight contacts between disks do.
 struct alignas(64) PairEffects {
@@ -73,8 +73,8 @@ template <class Space> struct GroupKernel {
 	void (*assemble)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes* pairs,
 	    ContactRow<Space>* rows, std::size_t count, const RowSettings& settings);
 	// What `count` impulses p do.
-	void (*effects)(const Place* places, const Mean* means, const ImpulseOf<Space>* p, std::size_t count, const PairLanes* pairs, PairEffects* effects,
-	    std::size_t groups);
+	void (*effects)(const Place* places, const Mean* means, const ImpulseOf<Space>* p, std::size_t count, const PairLanes* pairs,
+	    PairEffects* effects, std::size_t groups);
 	// The contacts of eight pairs as a group. Returns the lanes, a bit each, where wnn would be 0.
 	unsigned (*assembleGroup)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes& pairs,
 	    Group& group, const RowSettings& settings);

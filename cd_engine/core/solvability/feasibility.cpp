@@ -266,12 +266,13 @@ Feasibility feasibility(const DelassusSystem& s, double least, int products)
 	return search->search(least, products);
 }
 
-bool surelySolvable(const ContactSystem<Plane>& s, Threads* threads)
+template <class Space> bool surelySolvable(const ContactSystem<Space>& s, Threads* threads)
 {
 	return !anyOf(threads, s.bodies.size(), [&](std::size_t i) { return isDriven(s.bodies[i]); })
 	    && (s.contacts.postponed() // they push nothing
 		|| !anyOf(threads, s.contacts.size(), [&](std::size_t i) { return !(s.contacts[i].bias >= 0); }));
 }
+template bool surelySolvable(const ContactSystem<Plane>&, Threads*);
 
 bool staysOpen(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity, double least)
 {

@@ -11,12 +11,15 @@
 namespace cd {
 
 // Whether a blocked freedom of a body moves.
-inline bool isDriven(const BodyVelocity<Plane>& b)
+template <class Space> bool isDriven(const BodyVelocity<Space>& b)
 {
-	return (!(b.w[0] > 0) && b.v[0] != 0) || (!(b.w[1] > 0) && b.v[1] != 0) || (!(b.w[2] > 0) && b.v[2] != 0);
+	bool driven = false;
+	for (int k = 0; k < Space::freedoms; k++)
+		driven = driven || (!(b.w[k] > 0) && b.v[k] != 0);
+	return driven;
 }
 // Whether no blocked freedom moves and no bias is negative: then zero velocities close no contact. Costs a look at every body and contact.
-bool surelySolvable(const ContactSystem<Plane>&, Threads* = nullptr);
+template <class Space> bool surelySolvable(const ContactSystem<Space>&, Threads* = nullptr);
 // The same if boundaries move, but no contact closes faster than `least` [m/s] when all other bodies rest, or move along with the boundaries as one
 // rigid body: belts, drums, shaken boxes. freeVelocity: as in residual.hpp. Costs a few passes over the contacts. Not known of a matrix.
 bool staysOpen(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity, double least);

@@ -6,7 +6,12 @@
 
 namespace cd {
 
-SolverReport nsgs(ContactSystem<Plane>& system, const SolverSettings& settings) { return iterate<Sweep<Plane>>(system, settings); }
+template <class Space> SolverReport nsgs(ContactSystem<Space>& system, const SolverSettings& settings)
+{
+	return iterate<Sweep<Space>>(system, settings);
+}
+template SolverReport nsgs(ContactSystem<Plane>&, const SolverSettings&);
+
 SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
 
 } // namespace cd

@@ -175,7 +175,7 @@ namespace {
 
 	struct Entry {
 		const char* name = nullptr;
-		Solver solver = nullptr;
+		Solver<Plane> solver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
 	};
 	const Entry entries[] = {
@@ -194,7 +194,7 @@ namespace {
 
 } // namespace
 
-Solver findSolver(const std::string& method) { return find(method).solver; }
+Solver<Plane> findSolver(const std::string& method) { return find(method).solver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
 
 std::vector<std::string> solverNames()
