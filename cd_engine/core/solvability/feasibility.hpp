@@ -20,9 +20,9 @@ template <class Space> bool isDriven(const BodyVelocity<Space>& b)
 }
 // Whether no blocked freedom moves and no bias is negative: then zero velocities close no contact. Costs a look at every body and contact.
 template <class Space> bool surelySolvable(const ContactSystem<Space>&, Threads* = nullptr);
-// The same if boundaries move, but no contact closes faster than `least` [m/s] when all other bodies rest, or move along with the boundaries as one
-// rigid body: belts, drums, shaken boxes. freeVelocity: as in residual.hpp. Costs a few passes over the contacts. Not known of a matrix.
-bool staysOpen(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity, double least);
+// How fast boundaries and biases close contacts [m/s]: the fastest closing if all other bodies rest, or move along with the boundaries as one rigid
+// body, whichever is less. It is 0 for belts, drums and shaken boxes. freeVelocity: as in residual.hpp. Costs a few passes over the contacts.
+double closingOfBoundaries(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
 
 struct Feasibility {
 	bool possible = false; // velocities were found at which no contact closes faster than `least`
