@@ -98,10 +98,7 @@ inline Components<double> solveContact(const ContactRow<Plane>& c, const Compone
 		return cut<double>({ p.n - u.n / c.wnn, p.t - u.t / c.wtt }, frictionOf(c));
 	return solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, u.n - (c.wnn * p.n + c.wnt * p.t), u.t - (c.wnt * p.n + c.wtt * p.t));
 }
-// The same where it has none.
-inline Components<double> solveContact(const ContactRow<Plane>& c, const Components<double>& u)
-{
-	return solveContact(c, u, { -0., -0. });
-} // 0 - 0 would lose the sign of a zero
+// The same where it has none. -0: 0 - 0 would lose the sign of a zero.
+inline Components<double> solveContact(const ContactRow<Plane>& c, const Components<double>& u) { return solveContact(c, u, { -0., -0. }); }
 
 } // namespace cd
