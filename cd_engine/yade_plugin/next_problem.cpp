@@ -6,15 +6,15 @@ namespace cd_engine {
 namespace {
 
 	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
-	py::tuple bodyArrays(const cd::ContactSystem& system)
+	py::tuple bodyArrays(const cd::ContactSystem<cd::Plane>& system)
 	{
 		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses, compliances, slipBias;
 		std::vector<int32_t> pairs;
-		for (const cd::BodyVelocity& b : system.bodies) {
+		for (const cd::BodyVelocity<cd::Plane>& b : system.bodies) {
 			masses.insert(masses.end(), b.w, b.w + 3);
 			velocities.insert(velocities.end(), b.v, b.v + 3);
 		}
-		for (const cd::ContactRow& c : system.contacts) {
+		for (const cd::ContactRow<cd::Plane>& c : system.contacts) {
 			if (!(c.wnn > 0))
 				continue;
 			pairs.insert(pairs.end(), { c.a, c.b });
@@ -41,7 +41,7 @@ py::tuple ContactDynamics::nextProblem()
 	}
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Whatever has a memory is a copy here: this engine and the scene do not change.
-	const cd::StepSettings settings = this->settings(now);
+	const cd::StepSettings<cd::Plane> settings = this->settings(now);
 	std::mutex alone;
 	std::vector<int> ids = referenceIds, order = bodyOrder;
 	std::vector<double> overlaps = referenceOverlaps;
@@ -54,7 +54,7 @@ py::tuple ContactDynamics::nextProblem()
 		copy.forgetOverlaps();
 	else if (handover)
 		copy.takeOverlaps();
-	cd::TimeStep next;
+	cd::TimeStep<cd::Plane> next;
 	return bodyArrays(next.assemble(copy.world, settings));
 }
 

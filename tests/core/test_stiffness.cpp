@@ -11,16 +11,16 @@ using namespace cd;
 
 namespace {
 
-StepSettings settingsOf(double dt, double tolerance = 1e-13)
+StepSettings<Plane> settingsOf(double dt, double tolerance = 1e-13)
 {
-	StepSettings s;
+	StepSettings<Plane> s;
 	s.dt = dt;
 	s.solve = findSolver("auto");
 	s.solver.tolerance = s.restTolerance = tolerance;
 	return s;
 }
 
-StepReport make(TimeStep& t, World& w, const StepSettings& s)
+StepReport make(TimeStep<Plane>& t, World& w, const StepSettings<Plane>& s)
 {
 	t.sleepers.update(w);
 	const StepReport report = t(w, s);
@@ -71,9 +71,9 @@ TEST_CASE("an impact of one contact follows the recursion of backward Euler, das
 		World w = column(1, kn);
 		w.bodies[1].force[1] = 0;
 		w.bodies[1].v[1] = -1;
-		StepSettings s = settingsOf(h);
+		StepSettings<Plane> s = settingsOf(h);
 		s.dampingRatio = ratio;
-		TimeStep t;
+		TimeStep<Plane> t;
 		const double c = 2 * ratio * std::sqrt(kn);
 		double x = 0, v = -1; // of the disk over its place of contact
 		for (int i = 0; i < 60; i++) {
@@ -91,9 +91,9 @@ TEST_CASE("an impact of one contact follows the recursion of backward Euler, das
 
 TEST_CASE("steps that are long beside a contact's period lead to the static state, whatever the stiffness")
 {
-	for (const double kn : { 1e3, 1e6, 1e13 }) {
+	for (const double kn : { 1e5, 1e8, 1e13 }) {
 		World w = column(50, kn);
-		TimeStep t;
+		TimeStep<Plane> t;
 		for (int i = 0; i < 20; i++) // the slowest motion keeps 0.3 of itself in each
 			make(t, w, settingsOf(100 / std::sqrt(kn), 1e-12));
 		for (int i = 0; i < 50; i++) {
@@ -113,7 +113,7 @@ TEST_CASE("the tangential spring is elastic, slides at mu p_n and keeps its memo
 	disk.inverseMass[0] = disk.inverseMass[2] = 0; // driven along the wall
 	disk.force[1] = -load;
 	disk.y -= load / kn;
-	TimeStep t;
+	TimeStep<Plane> t;
 	double force = 0;
 	for (int i = 0; i < 200; i++) {
 		disk.v[0] = 0.2 * std::cos(0.07 * i);
@@ -132,7 +132,7 @@ TEST_CASE("two walls that close in on a disk, a step without a solution for rigi
 	w.bodies[1].force[1] = 0;
 	w.pairs.push_back({ 2, 1, 0.5 });
 	w.stiffnesses.push_back({ kn, kn });
-	TimeStep t;
+	TimeStep<Plane> t;
 	for (int i = 1; i <= 500; i++)
 		make(t, w, settingsOf(h));
 	CHECK(w.carried[0].fn[1] == doctest::Approx(0.5 * kn * 0.1 * 0.5).epsilon(1e-3)); // both contacts share what the walls have moved
@@ -146,7 +146,7 @@ TEST_CASE("k -> infinity is the rigid step, with an error of first order in 1/k"
 			w.stiffnesses.clear();
 		w.bodies[5].force[0] = 3;
 		w.bodies[7].force[1] = 40; // lifts the upper ones
-		TimeStep t;
+		TimeStep<Plane> t;
 		make(t, w, settingsOf(1e-3));
 		std::vector<double> v;
 		for (const Body& b : w.bodies)
@@ -173,11 +173,11 @@ TEST_CASE("work = kinetic + stored energy + friction + dashpots + damping by the
 		pair.reference = 0;
 	begin.stiffnesses.assign(begin.pairs.size(), { 2e4, 1e4 });
 	std::vector<World> ends;
-	const GroupKernel& usual = groupKernel();
+	const GroupKernel<Plane>& usual = groupKernel<Plane>();
 	const auto run = [&](const char* method, int threads) {
 		World w = begin;
-		TimeStep t;
-		StepSettings s = settingsOf(2e-3, 1e-11);
+		TimeStep<Plane> t;
+		StepSettings<Plane> s = settingsOf(2e-3, 1e-11);
 		s.solve = findSolver(method);
 		s.dampingRatio = 0.05;
 		s.threads = threads;
@@ -198,7 +198,7 @@ TEST_CASE("work = kinetic + stored energy + friction + dashpots + damping by the
 		CHECK(friction > 0);
 		ends.push_back(w);
 	};
-	for (const GroupKernel& kernel : groupKernels()) {
+	for (const GroupKernel<Plane>& kernel : groupKernels<Plane>()) {
 		useGroupKernel(kernel);
 		run("auto", 1);
 	}
@@ -226,7 +226,7 @@ TEST_CASE("a closed path of two disks leaves the force of the incremental law")
 	tests::add(w, tests::diskAt(0.19, 0, 0.1, 1e15)); // so heavy that it goes as it is led
 	w.pairs.push_back({ 0, 1, 10 });
 	w.stiffnesses.push_back({ 1e5, kt });
-	TimeStep t;
+	TimeStep<Plane> t;
 	for (int i = 0; i < 4 * leg; i++) {
 		const double part = (i % leg + 1.) / leg, in[4] = { part, 1, 1 - part, 0 }, turned[4] = { 0, part, 1, 1 - part };
 		const double distance = 0.19 - depth * in[i / leg], theta = angle * turned[i / leg];

@@ -4,6 +4,13 @@
 
 #include "problem/law.inl"
 
+using PackedBody = cd::PackedBody<Plane>;
+using Group = cd::Group<Plane>;
+using GroupBefore = cd::GroupBefore<Plane>;
+using GroupSprings = cd::GroupSprings<Plane>;
+using BodyVelocity = cd::BodyVelocity<Plane>;
+using ContactRow = cd::ContactRow<Plane>;
+
 typedef double Vector __attribute__((vector_size(8 * LANES)));
 typedef double Quad __attribute__((vector_size(32), aligned(32), may_alias)); // a body
 
@@ -253,7 +260,7 @@ INLINE void missOfGroups(
 				u = yielding(u, spring, p);
 				size += sizeOf(spring, p);
 			}
-			const Miss<Vector> miss = missOf<Vector>(p, u, frictionOf(g, lane), wnn, size, A.w + B.w);
+			const Miss<Vector> miss = missOf<Vector>(squaredMiss(p, u, frictionOf(g, lane), wnn), wnn, size, A.w + B.w);
 			const auto of = [lane](double* sum) -> Vector& { return *reinterpret_cast<Vector*>(sum + lane); };
 			struct {
 				Vector &difference, &square, &differenceEnergy, &squareEnergy, &missed, &worst, &mostMissed;

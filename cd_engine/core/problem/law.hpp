@@ -11,36 +11,50 @@ namespace cd {
 
 #include "problem/law.inl"
 
-inline Components<double> impulseOf(const ContactRow& c) { return { c.pn, c.pt }; }
-inline void setImpulse(ContactRow& c, const Components<double>& p)
+inline Components<double> impulseOf(const ContactRow<Plane>& c) { return { c.pn, c.pt }; }
+inline void setImpulse(ContactRow<Plane>& c, const Components<double>& p)
 {
 	c.pn = p.n;
 	c.pt = p.t;
 }
-inline Friction<double> frictionOf(const ContactRow& c) { return { c.mu }; }
-inline Spring<double> springOf(const ContactRow& c) { return { c.cn, c.ct, c.slipBias }; }
-inline Motion<double> motionOf(const double* v) { return { v[0], v[1], v[2] }; }
+inline bool isZero(const Components<double>& p) { return p.n == 0 && p.t == 0; }
+inline double length(const Components<double>& p) { return std::hypot(p.n, p.t); }
+inline Friction<double> frictionOf(const ContactRow<Plane>& c) { return { c.mu }; }
+inline Spring<double> springOf(const ContactRow<Plane>& c) { return { c.cn, c.ct, c.slipBias }; }
+inline Motion<double&> velocityOf(BodyVelocity<Plane>& b) { return { b.v[0], b.v[1], b.v[2] }; }
+// From an array of the freedoms of a body.
+template <class Space> inline MotionOf<Space> motionOf(const double*);
+template <> inline Motion<double> motionOf<Plane>(const double* v) { return { v[0], v[1], v[2] }; }
+// How much the magnitude of an impulse acts on the bodies of a contact with these inverse masses [m/s].
+inline double actingOnA(const Motion<double>& w, const ContactRow<Plane>& c, const Components<double>& p) { return actingOn(w, c, c.an, c.at, p); }
+inline double actingOnB(const Motion<double>& w, const ContactRow<Plane>& c, const Components<double>& p) { return actingOn(w, c, c.bn, c.bt, p); }
 
-// u_n and u_t of one contact for the bodies' present velocities.
-inline void relativeVelocity(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B, double& un, double& ut)
+// u of one contact for the bodies' present velocities, without the bias.
+template <class Space> ImpulseOf<Space> relativeVelocity(const ContactRow<Space>& c, const BodyVelocity<Space>& A, const BodyVelocity<Space>& B)
 {
-	const Components<double> u = relativeVelocity<false>(c, motionOf(A.v), motionOf(B.v));
-	un = u.n;
-	ut = u.t;
+	return relativeVelocity<false>(c, motionOf<Space>(A.v), motionOf<Space>(B.v));
 }
 
 // From relative velocities, those that the law is about: with the biases and what a spring yields.
-inline Components<double> inLaw(const ContactRow& c, Components<double> u, const Components<double>& p)
+template <class Space> ImpulseOf<Space> inLaw(const ContactRow<Space>& c, ImpulseOf<Space> u, const ImpulseOf<Space>& p)
 {
 	u.n += c.bias;
 	return c.compliant() ? yielding(u, springOf(c), p) : u;
 }
 
-// Adds the impulse (pn, pt) on `b` and its reaction on `a`.
-inline void applyImpulse(const ContactRow& c, BodyVelocity& A, BodyVelocity& B, double pn, double pt)
+// Adds an impulse on `b` and its reaction on `a`.
+template <class Space> void applyImpulse(const ContactRow<Space>& c, BodyVelocity<Space>& A, BodyVelocity<Space>& B, const ImpulseOf<Space>& p)
 {
-	const auto velocity = [](BodyVelocity& b) { return Motion<double&> { b.v[0], b.v[1], b.v[2] }; };
-	push(actionOf(c, Components<double> { pn, pt }), velocity(A), motionOf(A.w), velocity(B), motionOf(B.w));
+	push(actionOf(c, p), velocityOf(A), motionOf<Space>(A.w), velocityOf(B), motionOf<Space>(B.w));
+}
+
+// How far a contact misses its law at the velocities a, b of its bodies; compliance: W_nn + C_n; acts: what acts on both [m/s].
+template <class Space>
+Miss<double> missOf(const ContactRow<Space>& c, double compliance, const MotionOf<Space>& a, const MotionOf<Space>& b, double acts)
+{
+	const ImpulseOf<Space> p = impulseOf(c), u = inLaw(c, relativeVelocity<false>(c, a, b), p);
+	const double size = sizeOf(c, c.bias, a, b) + (c.compliant() ? sizeOf(springOf(c), p) : 0);
+	return missOf<double>(squaredMiss(p, u, frictionOf(c), compliance), compliance, size, acts);
 }
 
 // |p - P_K(...)|^2; un, ut: relative velocity, with the bias.
@@ -85,7 +99,7 @@ inline Components<double> solveLocal(double wnn, double wnt, double wtn, double 
 }
 
 // The impulses of a contact while all others are held; u: inLaw() of the impulses p.
-inline Components<double> solveContact(const ContactRow& c, const Components<double>& u, const Components<double>& p)
+inline Components<double> solveContact(const ContactRow<Plane>& c, const Components<double>& u, const Components<double>& p)
 {
 	assert(c.wnn > 0);
 	const double nn = c.nn(), tt = c.tt();
@@ -93,5 +107,7 @@ inline Components<double> solveContact(const ContactRow& c, const Components<dou
 		return cut<double>({ p.n - u.n / nn, p.t - u.t / tt }, frictionOf(c));
 	return solveLocal(nn, c.wnt, c.wnt, tt, c.mu, u.n - (nn * p.n + c.wnt * p.t), u.t - (c.wnt * p.n + tt * p.t));
 }
+// The same where it has none. -0: 0 - 0 would lose the sign of a zero.
+inline Components<double> solveContact(const ContactRow<Plane>& c, const Components<double>& u) { return solveContact(c, u, { -0., -0. }); }
 
 } // namespace cd

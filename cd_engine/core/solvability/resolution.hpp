@@ -30,13 +30,13 @@ struct Resolution {
 
 // Of the impulses in the system. Costs a pass over the contacts; for a matrix, a product with W. freeVelocity: as in residual.hpp; the bodies have
 // the velocities of the impulses.
-Resolution resolution(const ContactSystem&, const std::vector<double>& freeVelocity);
+Resolution resolution(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
 Resolution resolution(const DelassusSystem&);
 
 // With a larger growth, round-off makes velocities wrong by a ten-thousandth of those that the impulses must stop. A mass ratio of 1 : 1e8 makes 1e8.
 constexpr double mostGrowth = 1e11;
 
 // The kinetic energy after the impulses over that before them; infinite if there was none. Where no boundary moves a body, more than 1 is wrong.
-double energyGain(const ContactSystem&, const std::vector<double>& freeVelocity);
+double energyGain(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
 
 } // namespace cd

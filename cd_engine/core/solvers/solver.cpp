@@ -28,19 +28,19 @@ namespace {
 		return feasibility(s, least, products);
 	}
 
-	std::size_t contactsIn(const ContactSystem& s) { return s.contacts.size(); }
+	std::size_t contactsIn(const ContactSystem<Plane>& s) { return s.contacts.size(); }
 	std::size_t contactsIn(const DelassusSystem& s) { return s.contacts(); }
 	// Products of a search where the velocities are resolved already: a small part of a step of a large problem.
 	template <class System> int mostProducts(const System& s) { return 20 + 20000 / (1 + static_cast<int>(contactsIn(s))); }
 
-	void clearImpulses(ContactSystem& s)
+	void clearImpulses(ContactSystem<Plane>& s)
 	{
 		s.contacts.make();
-		for (ContactRow& c : s.contacts)
+		for (ContactRow<Plane>& c : s.contacts)
 			c.pn = c.pt = 0;
 	}
 
-	void makeRows(ContactSystem& s) { s.contacts.make(); }
+	void makeRows(ContactSystem<Plane>& s) { s.contacts.make(); }
 	void makeRows(DelassusSystem&) { }
 
 	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
@@ -83,7 +83,7 @@ namespace {
 
 	// Whether impulses have more than doubled the energy of a scene in which nothing drives bodies. Impulses that balance each other may be so
 	// large that all velocities they cause are within the tolerance. Those of the first guess have been accepted before.
-	bool createEnergy(ContactSystem& s, const Start& start, const SolverReport& report)
+	bool createEnergy(ContactSystem<Plane>& s, const Start& start, const SolverReport& report)
 	{
 		if (s.contacts.compliant || report.status != Status::converged || !(energyGain(s, start.freeVelocity()) > 2))
 			return false;
@@ -92,10 +92,10 @@ namespace {
 	}
 
 	// Plain sweeps from zero impulses create none that balance each other.
-	void solveFromNothing(ContactSystem& system, const Start& start, const SolverSettings& settings, SolverReport& report)
+	void solveFromNothing(ContactSystem<Plane>& system, const Start& start, const SolverSettings& settings, SolverReport& report)
 	{
 		clearImpulses(system);
-		report = goOn<ContactSystem>(system, start, settings, report, nsgs);
+		report = goOn<ContactSystem<Plane>>(system, start, settings, report, nsgs);
 		report.plain = true;
 		if (createEnergy(system, start, report)) {
 			report.status = Status::stagnated;
@@ -182,7 +182,7 @@ namespace {
 		if (!start.solvable) {
 			makeRows(system);
 			resolve<System>(system, start, part, report, method);
-		} else if constexpr (std::is_same_v<System, ContactSystem>)
+		} else if constexpr (std::is_same_v<System, ContactSystem<Plane>>)
 			if (createEnergy(system, start, report))
 				solveFromNothing(system, start, part, report);
 		return report;
@@ -190,14 +190,14 @@ namespace {
 
 	struct Entry {
 		const char* name = nullptr;
-		Solver solver = nullptr;
+		Solver<Plane> solver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
 	};
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem, nsgs>, solved<DelassusSystem, nsgs> },
-		{ "accelerated", solved<ContactSystem, accelerated>, solved<DelassusSystem, accelerated> },
-		{ "newton", solved<ContactSystem, newton>, solved<DelassusSystem, newton> },
-		{ "auto", solved<ContactSystem, automatic>, solved<DelassusSystem, automatic> },
+		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<DelassusSystem, nsgs> },
+		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated> },
+		{ "newton", solved<ContactSystem<Plane>, newton>, solved<DelassusSystem, newton> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic> },
 	};
 
 	const Entry& find(const std::string& method)
@@ -209,7 +209,7 @@ namespace {
 
 } // namespace
 
-Solver findSolver(const std::string& method) { return find(method).solver; }
+Solver<Plane> findSolver(const std::string& method) { return find(method).solver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
 
 std::vector<std::string> solverNames()
