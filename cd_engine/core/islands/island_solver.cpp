@@ -121,8 +121,9 @@ SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, co
 	SolverReport report;
 	if (rest && rest->withoutSweep && surelySolvable(system, settings.threads)) {
 		system.contacts.make();
-		report.measure(residual(system, freeVelocity));
-		if (report.error <= settings.tolerance) {
+		const Residual guess = residual(system, freeVelocity);
+		report.measure(guess);
+		if (report.error <= settings.tolerance && !guess.stale) {
 			for (const ContactRow& c : system.contacts)
 				addImpulse(system, c);
 			return report;
@@ -137,12 +138,12 @@ SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, co
 	return report;
 }
 
-// Marks the islands whose sums show that they are solved now. Returns how many.
-int IslandSolver::markSolved(double tolerance)
+// Marks the islands whose sums show that they are solved now. Returns how many. guess: by the first guess (Iteration::begin).
+int IslandSolver::markSolved(double tolerance, bool guess)
 {
 	int solved = 0;
 	for (std::size_t k = 0; k < islands.size(); k++)
-		if (islands[k].state == State::open && sums[k].of().error() <= tolerance) {
+		if (islands[k].state == State::open && sums[k].of().error() <= tolerance && !(guess && sums[k].stale > 0)) {
 			islands[k].state = State::solved;
 			solved++;
 		}
@@ -171,7 +172,7 @@ SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, co
 	const bool solvable
 	    = surelySolvable(system, settings.threads); // else a small error is not enough: the method must find that there is a solution
 	if (solvable)
-		markSolved(settings.tolerance);
+		markSolved(settings.tolerance, true);
 	Status status = Status::converged;
 	SolverSettings left = settings; // iterations that all parts together may still take
 	for (;;) {
@@ -198,7 +199,7 @@ SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, co
 			continue;
 		}
 		status = report.status;
-		if (markSolved(settings.tolerance) == 0)
+		if (markSolved(settings.tolerance, false) == 0)
 			return end(status == Status::converged ? Status::stagnated : status);
 	}
 }

@@ -17,7 +17,7 @@ struct alignas(64) LaneSums {
 // How far the contacts miss the contact law, summed lane by lane: members of ResidualSum.
 struct alignas(64) LaneMisses {
 	double difference[Group::lanes], square[Group::lanes], differenceEnergy[Group::lanes], squareEnergy[Group::lanes];
-	double missed[Group::lanes], worst[Group::lanes], mostMissed[Group::lanes];
+	double missed[Group::lanes], worst[Group::lanes], mostMissed[Group::lanes], stale[Group::lanes];
 };
 
 // Eight pairs.
