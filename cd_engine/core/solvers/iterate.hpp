@@ -46,8 +46,8 @@ template <class S> class Iteration {
 		return conclude();
 	}
 
-	// A first guess with a stale impulse is none, however small the impulse: the next steps would begin with it again, and what errors of one sign
-	// give to a body grows from step to step.
+	// A first guess with a stale impulse is none, however small the impulse: the next steps would begin with it again, and what errors of one
+	// sign give to a body grows from step to step.
 	void begin()
 	{
 		if (evaluate().stale && solved() && settings.maxIterations > 0) {
