@@ -38,7 +38,7 @@ TEST_CASE("solutions satisfy the laws, contact by contact")
 TEST_CASE("a first guess is swept once if a contact has an impulse that its own law would take, however small")
 {
 	// A disk rests on a floor, and parts from a wall that still pushes it with a ten millionth of its weight; or it touches a wall that does not.
-	for (const Solver method : { nsgs, accelerated, automatic })
+	for (const Solver method : std::initializer_list<Solver> { nsgs, accelerated, automatic })
 		for (const double speed : { 1e-3, 0. }) {
 			ContactSystem s;
 			s.bodies = { BodyVelocity {}, disk(1, speed, -1) };

@@ -4,7 +4,12 @@
 
 namespace cd {
 
-constexpr double roundOff = 1e-9; // of a disk's radius: a smaller excess stays
+namespace {
+
+	constexpr int sweeps = 4; // every other one backwards; with two a pile swells half as fast
+	constexpr double roundOff = 1e-9; // of a disk's radius: a smaller excess stays
+
+} // namespace
 
 bool OverlapCorrection::isDue(const World& world, const StepSettings& s, const ContactFinder& finder)
 {
@@ -15,9 +20,9 @@ void OverlapCorrection::sweep(const ContactRow& c, std::size_t contact, const st
 {
 	Motion<double>&a = displacement[c.a], &b = displacement[c.b];
 	const double misses = least[contact] - relativeVelocity<false>(c, a, b).n, before = multiplier[contact];
-	const double now = std::max(0., before + misses / c.wnn);
-	if (now == before)
+	if (misses <= 0 && before == 0)
 		return;
+	const double now = std::max(0., before + misses / c.wnn);
 	multiplier[contact] = now;
 	push(actionOf(c, Components<double> { now - before, 0 }), a, motionOf(masses[c.a].w), b, motionOf(masses[c.b].w));
 }
