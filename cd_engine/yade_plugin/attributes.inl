@@ -24,9 +24,12 @@ CD_ATTRIBUTE(double, restitution, 0, within(0, 1),
     "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. If an island of contacts with friction would "
     "gain energy, the engine lowers the coefficient there for this step; if the step has no solution with it, it takes 0 there.")
 CD_ATTRIBUTE(double, gapCorrection, 0, within(0, 1),
-    "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step pushes out [1]; 0: overlaps are only kept from growing. "
-    "The bodies keep the velocity by which the overlap is removed; the energy that this adds is subtracted from *dissipatedEnergy*. With few "
-    "*fixedIterations* it needs *warmStart* False: impulses that add up from step to step overshoot.")
+    "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step removes [1]; 0: overlaps are only kept from growing. It moves "
+    "the bodies, after the step, and gives them no velocity (a split impulse). A pile that grows by this gains potential energy.")
+CD_ATTRIBUTE(bool, gapVelocity, false, setting,
+    "Let *gapCorrection* act on the velocities, which the bodies keep, as in studies of contact dynamics with few *fixedIterations* (Unger and "
+    "Kertesz 2002). The energy that this adds is subtracted from *dissipatedEnergy*. It needs *warmStart* False: impulses that add up from step to "
+    "step overshoot.")
 CD_ATTRIBUTE(double, allowedOverlap, 1e-3, within(0, 1),
     "Overlap that *gapCorrection* leaves, as a share of the smaller disk's radius [1]. With 0, a packing never comes to rest: the "
     "corrections of its contacts contradict each other and keep it moving.")

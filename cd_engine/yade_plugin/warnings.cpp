@@ -50,10 +50,10 @@ void ContactDynamics::warnBeforeStep(double dt)
 	warnOfSpeed(dt);
 	if (steps == 0)
 		warnOfShortStep(dt);
-	if (restitution > 0 && gapCorrection > 0)
+	if (restitution > 0 && gapCorrection > 0 && gapVelocity)
 		link.warnOnce(
-		    "restitution and gapCorrection together create energy: the velocity that removes an overlap takes part in later rebounds.",
-		    "Set one of them to 0. A smaller O.dt reduces overlaps.");
+		    "restitution and gapCorrection with gapVelocity create energy: the velocity that removes an overlap takes part in later rebounds.",
+		    "Set gapVelocity=False. A smaller O.dt reduces overlaps.");
 	if (const std::string& late = others.lateDriver(); !late.empty())
 		link.warnOnce(late + " stands after ContactDynamics in O.engines, so the motion that it sets comes a step late.",
 		    "Put it between ForceResetter and ContactDynamics.");
