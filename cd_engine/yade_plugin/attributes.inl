@@ -48,9 +48,6 @@ CD_ATTRIBUTE(std::string, publish, "due", setting,
     "O.wait()) before any other engine that is due looks at them, and when the run ends; in a run that nobody waits for, after every step. "
     "always: after every step. "
     "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.")
-CD_ATTRIBUTE(bool, stopUnsolved, false, setting,
-    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the engine warns of "
-    "the first such step and the run goes on.")
 CD_ATTRIBUTE(int, threads, 0, within(0, 1024),
     "Threads that share the work of a step [1]; 0: as many as YADE has (-j, OMP_NUM_THREADS). The motion is the same to the last bit with "
     "any number. Only steps with thousands of bodies and contacts use more than one.")

@@ -1,7 +1,6 @@
 // When the engine warns in a step: once a run, and twice of overlaps. What it says is written in cd_engine/step_texts.py.
 #include "../bindings/python.hpp"
 #include "contact_dynamics.hpp"
-#include "waiting.hpp"
 
 #include <algorithm>
 #include <iostream>
@@ -45,22 +44,10 @@ void ContactDynamics::warnBeforeStep(double dt)
 // Prints one line a run. unconvergedSteps counts on and is shown once more when YADE ends (cd_engine/__init__.py).
 void ContactDynamics::warnOfUnsolved()
 {
-	if (warnedOfUnsolved && !stopUnsolved)
+	if (std::exchange(warnedOfUnsolved, true))
 		return;
 	warnedOfUnsolvable = !unsolvableContact.empty();
-	if (!stopUnsolved) {
-		warnedOfUnsolved = true;
-		std::cerr << words("unsolved") << " Further such steps are counted in unconvergedSteps.\n";
-		return;
-	}
-	if (link.isUnpublished())
-		link.publish(scene, step);
-	// Not thrown here: the other engines and the clock have to make this step, too.
-	const std::string error = words("unsolved") + " (stopUnsolved is set; the step has been made)";
-	stopAfter(scene_iter(scene) + 1, scene_stopAtIter(scene), error);
-	others.wake();
-	if (waiting == 0)
-		std::cerr << error << '\n';
+	std::cerr << words("unsolved") << " Further such steps are counted in unconvergedSteps.\n";
 }
 
 // Prints one line a run, for the first body that leaves the scene.
