@@ -60,7 +60,7 @@ CD_ATTRIBUTE(double, residualMax, 0, result, "The same for the worst contact, ov
 CD_ATTRIBUTE(double, bodyError, 0, result,
     "Estimated largest error of a body's velocity change in the last step, relative to what acts on the body: the impulses of its contacts "
     "and the external one [1]. In packings, where some disks always carry hardly any load, it is relative to a mean over the island, "
-    "weighted by mass (cd_engine/core/residual.hpp has the formula).")
+    "weighted by mass (cd_engine/core/error/residual.hpp has the formula).")
 CD_ATTRIBUTE(int, worstBody, -1, result, "Id of the body whose velocity may have the largest error; -1: none.")
 CD_ATTRIBUTE(std::vector<int>, unsolvableContact, {}, result,
     "Ids of the two bodies whose contact is the strongest sign that there is no solution, if *status* is no_solution or a doubt remains. "
