@@ -294,7 +294,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 {
 	const std::lock_guard<std::mutex> lock(attributesLock);
 	if (!step.overlapsForgotten().empty())
-		link.collectOverlaps(memory().overlaps);
+		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());
 
 	stepTolerance = settings.solver.tolerance;
 	noteUnrest(report);

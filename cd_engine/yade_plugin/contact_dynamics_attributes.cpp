@@ -2,6 +2,7 @@
 #include "contact_dynamics.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace cd_engine {
 
@@ -35,14 +36,15 @@ void ContactDynamics::checkLoaded() const
 	const std::size_t pairs = referenceOverlaps.size();
 	bool valid = referenceIds.size() == 2 * pairs;
 	for (std::size_t i = 0; valid && i < pairs; i++) {
-		const int* const ids = &referenceIds[2 * i];
-		valid = ids[0] >= 0 && ids[1] >= 0 && ids[0] != ids[1] && std::isfinite(referenceOverlaps[i]) && referenceOverlaps[i] > 0;
+		const int *const now = &referenceIds[2 * i], *const before = i > 0 ? now - 2 : nullptr;
+		valid = 0 <= now[0] && now[0] < now[1] && (!before || std::tie(before[0], before[1]) < std::tie(now[0], now[1]))
+		    && std::isfinite(referenceOverlaps[i]) && referenceOverlaps[i] > 0;
 	}
 	if (!valid)
 		throw SceneError(
-		    "ContactDynamics: the file is damaged: referenceIds must hold the ids of two bodies for each of the referenceOverlaps, "
-		    "which must be positive numbers. Load another one, or empty both lists in it, which makes the overlaps present now "
-		    "count as such");
+		    "ContactDynamics: the file is damaged: referenceIds must hold the ids of two bodies for each of the referenceOverlaps, the "
+		    "smaller first, in ascending order, and each overlap must be a positive number. Load another one, or empty both lists in "
+		    "it, which makes the overlaps present now count as such");
 }
 
 std::string ContactDynamics::wordFault(const char* attribute, const std::string& value)

@@ -6,7 +6,6 @@
 #include <cassert>
 #include <cmath>
 #include <iostream>
-#include <unordered_map>
 
 namespace cd_engine {
 
@@ -131,18 +130,12 @@ void SceneLink::takePairs(yade::Scene* scene)
 void SceneLink::takeReferences(const Memory& memory, bool all)
 {
 	world.listing++;
-	const auto key = [](int64_t a, int64_t b) { return std::min(a, b) << 32 | std::max(a, b); };
-	std::unordered_map<int64_t, double> known;
-	for (std::size_t i = 0; i < memory.overlaps.overlaps.size(); i++)
-		known[key(memory.overlaps.ids[2 * i], memory.overlaps.ids[2 * i + 1])] = memory.overlaps.overlaps[i];
 	std::size_t touching = 0;
 	const auto isGone = [this](int id) { return std::binary_search(gone.begin(), gone.end(), id); };
 	for (std::size_t k = 0; k < world.pairs.size(); k++) {
 		cd::Pair& pair = world.pairs[k];
-		if (all || search.from()[k] < 0) {
-			const auto found = known.find(key(pair.a, pair.b));
-			pair.reference = found == known.end() || isGone(pair.a) || isGone(pair.b) ? 0 : found->second;
-		}
+		if (all || search.from()[k] < 0)
+			pair.reference = isGone(pair.a) || isGone(pair.b) ? 0 : memory.overlaps.of(pair.a, pair.b);
 		touching += pair.reference > 0;
 	}
 	if (inspecting || touching == memory.overlaps.overlaps.size())

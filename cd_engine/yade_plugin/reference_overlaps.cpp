@@ -1,7 +1,10 @@
 // Overlaps that count as touching: what springs have left behind.
 #include "scene_link.hpp"
 
+#include <boost/iterator/counting_iterator.hpp>
+
 #include <algorithm>
+#include <set>
 
 namespace cd_engine {
 namespace {
@@ -71,13 +74,43 @@ const cd::Pair& SceneLink::deepest(const cd::TimeStep<cd::Plane>& step) const
 
 void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const
 {
+	std::vector<const cd::Pair*> kept;
+	for (const cd::Pair& pair : world.pairs)
+		if (pair.reference > 0)
+			kept.push_back(&pair);
+	std::sort(kept.begin(), kept.end(), [](const cd::Pair* p, const cd::Pair* q) { return std::minmax(p->a, p->b) < std::minmax(q->a, q->b); });
 	all.ids.clear();
 	all.overlaps.clear();
-	for (const cd::Pair& pair : world.pairs)
-		if (pair.reference > 0) {
-			all.ids.insert(all.ids.end(), { pair.a, pair.b });
-			all.overlaps.push_back(pair.reference);
-		}
+	for (const cd::Pair* pair : kept) {
+		all.ids.push_back(std::min(pair->a, pair->b));
+		all.ids.push_back(std::max(pair->a, pair->b));
+		all.overlaps.push_back(pair->reference);
+	}
+}
+
+double ReferenceOverlaps::of(int id1, int id2) const
+{
+	const std::pair<int, int> wanted = std::minmax(id1, id2);
+	const boost::counting_iterator<std::size_t> begin(0), end(overlaps.size());
+	const auto found = std::lower_bound(begin, end, wanted, [this](std::size_t i, const auto& value) { return pair(i) < value; });
+	return found != end && pair(*found) == wanted ? overlaps[*found] : 0;
+}
+
+void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::vector<int32_t>& which) const
+{
+	std::set<std::pair<int, int>> all;
+	for (const int32_t i : which)
+		all.insert(std::minmax(pairs[i].a, pairs[i].b));
+	std::size_t kept = 0;
+	for (std::size_t i = 0; i < overlaps.size(); i++) {
+		if (all.count(pair(i)) > 0)
+			continue;
+		ids[2 * kept] = ids[2 * i];
+		ids[2 * kept + 1] = ids[2 * i + 1];
+		overlaps[kept++] = overlaps[i];
+	}
+	ids.resize(2 * kept);
+	overlaps.resize(kept);
 }
 
 } // namespace cd_engine

@@ -20,10 +20,16 @@ namespace cd_engine {
 constexpr unsigned dofs[cd::Plane::freedoms] = { 1, 2, 32 };
 inline double& velocityOf(void* state, int k) { return k < cd::Plane::components ? state_vel(state)[k] : state_angVel(state)[2]; }
 
-// Overlaps kept as touching: two ids a pair, one overlap [m] a pair.
+// Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {
 	std::vector<int>& ids;
 	std::vector<double>& overlaps;
+
+	double of(int id1, int id2) const; // 0 if the pair has none
+	void forget(const std::vector<cd::Pair>&, const std::vector<int32_t>& which) const;
+
+    private:
+	std::pair<int, int> pair(std::size_t i) const { return { ids[2 * i], ids[2 * i + 1] }; }
 };
 
 // What the engine keeps about the pairs from step to step, and saves.
