@@ -173,7 +173,7 @@ template <class S> class Iteration {
 		distance = impulse > 0 ? e.law() * impulse : e.difference;
 		if (settings.trace) {
 			settings.trace->add(more);
-			settings.trace->look(error);
+			settings.trace->evaluated(error);
 		}
 		return e;
 	}
