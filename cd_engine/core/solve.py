@@ -63,11 +63,11 @@ def _arrays(problem):
         return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu)
     if not isinstance(problem, Problem):
         raise ValueError(f"{problem!r} is no contact problem: make a core.Problem of W, q and mu, or a core.BodyProblem")
-    problem = Problem(problem.W, problem.q, problem.mu)
+    problem = Problem(problem.W, problem.q, problem.mu, problem.dimension)
     if problem.contacts == 0:
         empty = np.zeros(0)
         return np.zeros(1, np.int64), np.zeros(0, np.int32), empty, empty, empty
-    blocks = problem.W.tobsr((2, 2))
+    blocks = problem.W.tobsr((problem.dimension, problem.dimension))
     blocks.sort_indices()
     return blocks.indptr.astype(np.int64), blocks.indices.astype(np.int32), blocks.data.ravel(), problem.q, problem.mu
 
@@ -115,7 +115,7 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     if threads > 1024:
         raise ValueError(f"threads={threads} is out of range: it must be at most 1024")
     arrays = _arrays(problem)
-    size = 2 * len(arrays[-1])
+    size = problem.dimension * len(arrays[-1])
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size)
     p, found = core.solve(arrays, p, method, float(tolerance), max_iterations, fixed_iterations, seed, bool(trace), threads)
     p = np.frombuffer(p).copy()
@@ -145,7 +145,7 @@ def residual_max(problem, impulses):
 
 def _residuals(problem, impulses):
     arrays = _arrays(problem)
-    p = vector("impulses", impulses, 2 * len(arrays[-1]))
+    p = vector("impulses", impulses, problem.dimension * len(arrays[-1]))
     if (largest := np.abs(p).max(initial=0)) > LARGEST:
         raise ValueError(f"impulses are up to {largest:g}; squares can be computed of numbers up to {LARGEST:g}")
     return _core().residual(arrays, p)

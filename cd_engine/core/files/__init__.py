@@ -7,7 +7,7 @@ from .problem import Problem
 
 
 def read_problem(path):
-    """Return the `Problem` in a file of FCLIB (HDF5, a local problem of two dimensions) or in Siconos's text of a FrictionContactProblem, or the
+    """Return the `Problem`, of the plane or of space, in a file of FCLIB (HDF5, local or global) or in Siconos's text of a FrictionContactProblem, or the
     `BodyProblem` that `write_problem` wrote.
 
     Raise ValueError with the file and the line or data set if it is none of them, damaged or cut short.

@@ -8,5 +8,6 @@ namespace cd {
 
 SolverReport nsgs(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep>(system, settings); }
 SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
+SolverReport nsgs(ConeSystem& system, const SolverSettings& settings) { return iterate<ConeSweep>(system, settings); }
 
 } // namespace cd

@@ -19,9 +19,10 @@ namespace {
 	// Products with J that a search for velocities may take. One costs about four sweeps.
 	int productsAfter(int sweeps) { return 200 + sweeps / 10; }
 
-	bool staysOpen(const DelassusSystem&, const std::vector<double>&, double) { return false; }
-	Resolution resolution(const DelassusSystem& s, const std::vector<double>&) { return resolution(s); }
-	Feasibility feasibility(const DelassusSystem& s, const std::vector<double>&, double least, int products)
+	// Of a matrix problem, in the plane or in space.
+	template <class Matrix> bool staysOpen(const Matrix&, const std::vector<double>&, double) { return false; }
+	template <class Matrix> Resolution resolution(const Matrix& s, const std::vector<double>&) { return resolution(s); }
+	template <class Matrix> Feasibility feasibility(const Matrix& s, const std::vector<double>&, double least, int products)
 	{
 		return feasibility(s, least, products);
 	}
@@ -34,7 +35,7 @@ namespace {
 	}
 
 	void makeRows(ContactSystem& s) { s.contacts.make(); }
-	void makeRows(DelassusSystem&) { }
+	template <class Matrix> void makeRows(Matrix&) { }
 
 	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
 
@@ -177,12 +178,13 @@ namespace {
 		const char* name = nullptr;
 		Solver solver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
+		ConeSolver coneSolver = nullptr;
 	};
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem, nsgs>, solved<DelassusSystem, nsgs> },
-		{ "accelerated", solved<ContactSystem, accelerated>, solved<DelassusSystem, accelerated> },
-		{ "newton", solved<ContactSystem, newton>, solved<DelassusSystem, newton> },
-		{ "auto", solved<ContactSystem, automatic>, solved<DelassusSystem, automatic> },
+		{ "nsgs", solved<ContactSystem, nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs> },
+		{ "accelerated", solved<ContactSystem, accelerated>, solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated> },
+		{ "newton", solved<ContactSystem, newton>, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
+		{ "auto", solved<ContactSystem, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic> },
 	};
 
 	const Entry& find(const std::string& method)
@@ -196,6 +198,7 @@ namespace {
 
 Solver findSolver(const std::string& method) { return find(method).solver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
+ConeSolver findConeSolver(const std::string& method) { return find(method).coneSolver; }
 
 std::vector<std::string> solverNames()
 {
