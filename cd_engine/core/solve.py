@@ -8,12 +8,13 @@ import numpy as np
 
 from .files.body_problem import BodyProblem
 from .files.problem import LARGEST, Problem, vector
+from .files.space_bodies import SpaceBodyProblem
 
 
 @dataclass(frozen=True)
 class Report:
     """The result of `solve`."""
-    impulses: np.ndarray      # [N s], 2n, normal then tangential: the best ones found if it did not converge
+    impulses: np.ndarray      # [N s], 2n, in space 3n, normal then tangential: the best ones found if it did not converge
     iterations: int           # sweeps and factorizations
     factorizations: int       # of these iterations; above 0: Newton's method was used
     residual: float           # the error e of `residual`
@@ -21,7 +22,7 @@ class Report:
     converged: bool
     status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite
     contact: object           # where velocities are not resolved or, with no_solution, contacts must close; diverged: of NaN or infinity; else None
-    bodies: object            # for a BodyProblem, the two bodies of that contact; else None
+    bodies: object            # for a problem of bodies, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # of the calling thread's processor time, spent in the solver
     trace: object = None      # with trace=True: rows (sweeps and factorizations made so far, error), one for each check of the error
@@ -56,11 +57,13 @@ def bytes_of_a_sweep():
 
 
 def _arrays(problem):
-    """Return the problem's arrays for the compiled core: those of the bodies, or the rows of W in 2 x 2 blocks. They are checked anew, since they may
-    have been changed."""
+    """Return the problem's arrays for the compiled core: those of the bodies, or the rows of W in 2 x 2 or 3 x 3 blocks. They are checked anew, since
+    they may have been changed."""
     if isinstance(problem, BodyProblem):
         problem = replace(problem)
         return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu)
+    if isinstance(problem, SpaceBodyProblem):
+        problem = replace(problem).delassus()
     if not isinstance(problem, Problem):
         raise ValueError(f"{problem!r} is no contact problem: make a core.Problem of W, q and mu, or a core.BodyProblem")
     problem = Problem(problem.W, problem.q, problem.mu, problem.dimension)
@@ -122,7 +125,7 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     iterations, factorizations, e, worst, status, contact, solved_by, seconds, looks = found
     converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
     contact = contact if contact >= 0 and not converged else None
-    bodies = tuple(map(int, problem.pairs[contact])) if isinstance(problem, BodyProblem) and contact is not None else None
+    bodies = tuple(map(int, problem.pairs[contact])) if not isinstance(problem, Problem) and contact is not None else None
     looks = np.array(looks, float).reshape(-1, 2) if trace else None
     return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds, looks)
 
