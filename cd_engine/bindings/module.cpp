@@ -43,13 +43,13 @@ bool inSpace(const py::tuple& arrays) { return py::len(arrays[3]) == 3 * py::len
 
 // A problem in the velocities of the bodies: three inverse masses and three free velocities a body; two bodies, a normal, four arms (a_n,
 // a_t, b_n, b_t), a bias and a friction coefficient a contact.
-cd::ContactSystem bodySystem(const py::tuple& arrays, const py::object& impulses)
+cd::ContactSystem<cd::Plane> bodySystem(const py::tuple& arrays, const py::object& impulses)
 {
 	const auto w = numbers<double>(arrays[0]), v = numbers<double>(arrays[1]), normal = numbers<double>(arrays[3]);
 	const auto pair = numbers<int32_t>(arrays[2]);
 	const auto arm = numbers<double>(arrays[4]), bias = numbers<double>(arrays[5]), mu = numbers<double>(arrays[6]);
 	const auto p = numbers<double>(impulses);
-	cd::ContactSystem s;
+	cd::ContactSystem<cd::Plane> s;
 	s.memory = &memory;
 	s.bodies.resize(w.size() / 3);
 	for (std::size_t i = 0; i < s.bodies.size(); i++) {
@@ -58,7 +58,7 @@ cd::ContactSystem bodySystem(const py::tuple& arrays, const py::object& impulses
 	}
 	s.contacts.resize(mu.size());
 	for (std::size_t i = 0; i < mu.size(); i++) {
-		cd::ContactRow& c = s.contacts[i];
+		cd::ContactRow<cd::Plane>& c = s.contacts[i];
 		c.a = pair[2 * i];
 		c.b = pair[2 * i + 1];
 		c.nx = normal[2 * i];
@@ -134,17 +134,68 @@ py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::
 				       : solveMatrix(matrixSystem<cd::DelassusSystem>(arrays, impulses), cd::findDelassusSolver(method));
 	}
 	// A guess that tells nothing is not used: it would stay where nothing resists it.
-	cd::ContactSystem system = bodySystem(arrays, impulses);
+	cd::ContactSystem<cd::Plane> system = bodySystem(arrays, impulses);
 	if (!(cd::resolution(system, numbers<double>(arrays[1])).growth <= cd::mostGrowth))
-		for (cd::ContactRow& c : system.contacts)
+		for (cd::ContactRow<cd::Plane>& c : system.contacts)
 			c.pn = c.pt = 0;
 	cd::Threads team;
 	team.use(threads);
 	settings.threads = &team;
 	const py::tuple report = solved(system, cd::findSolver(method), method, settings, traced);
 	std::vector<double> p;
-	for (const cd::ContactRow& c : system.contacts)
+	for (const cd::ContactRow<cd::Plane>& c : system.contacts)
 		p.insert(p.end(), { c.pn, c.pt });
+	return py::make_tuple(bytes(p), report);
+}
+
+// Spheres in space: six inverse masses and six free velocities a body; two bodies, a normal, two distances from the centres, a bias and a friction
+// coefficient a contact; of an impulse the normal part, and the three components of what is across.
+cd::ContactSystem<cd::Space3> sphereSystem(const py::tuple& arrays, const std::vector<double>& p)
+{
+	const auto w = numbers<double>(arrays[0]), v = numbers<double>(arrays[1]), normal = numbers<double>(arrays[3]),
+		   arm = numbers<double>(arrays[4]), bias = numbers<double>(arrays[5]), mu = numbers<double>(arrays[6]);
+	const auto pair = numbers<int32_t>(arrays[2]);
+	cd::ContactSystem<cd::Space3> s;
+	s.memory = &memory;
+	s.bodies.resize(w.size() / 6);
+	for (std::size_t i = 0; i < s.bodies.size(); i++) {
+		std::copy_n(&w[6 * i], 6, s.bodies[i].w);
+		std::copy_n(&v[6 * i], 6, s.bodies[i].v);
+	}
+	s.contacts.resize(mu.size());
+	for (std::size_t i = 0; i < mu.size(); i++) {
+		const double *n = &normal[3 * i], *impulse = &p[4 * i];
+		cd::ContactRow<cd::Space3>& c = s.contacts[i];
+		c.a = pair[2 * i];
+		c.b = pair[2 * i + 1];
+		c.nx = n[0];
+		c.ny = n[1];
+		c.nz = n[2];
+		c.at = arm[2 * i];
+		c.bt = arm[2 * i + 1];
+		c.bias = bias[i];
+		c.mu = mu[i];
+		cd::setImpulse(c, { impulse[0], impulse[1], impulse[2], impulse[3] });
+	}
+	s.assembleBlocks();
+	return s;
+}
+
+// As solve().
+py::tuple solveSpheres(const py::tuple& arrays, const py::object& impulses, bool momentum, double tolerance, int maxIterations, int fixedIterations,
+    unsigned seed, bool traced, int threads)
+{
+	cd::SolverSettings settings { tolerance, maxIterations, fixedIterations, seed };
+	cd::ContactSystem<cd::Space3> system = sphereSystem(arrays, numbers<double>(impulses));
+	cd::Threads team;
+	team.use(threads);
+	settings.threads = &team;
+	using Method = cd::SolverReport(cd::ContactSystem<cd::Space3>&, const cd::SolverSettings&);
+	Method* const method = momentum ? static_cast<Method*>(cd::accelerated) : static_cast<Method*>(cd::nsgs);
+	const py::tuple report = solved(system, method, momentum ? "accelerated" : "nsgs", settings, traced);
+	std::vector<double> p;
+	for (const cd::ContactRow<cd::Space3>& c : system.contacts)
+		p.insert(p.end(), { c.pn, c.px, c.py, c.pz });
 	return py::make_tuple(bytes(p), report);
 }
 
@@ -160,7 +211,8 @@ py::tuple residual(const py::tuple& arrays, const py::object& impulses)
 // (bytes of a contact, of its impulses a sweep before, of a body) as sweeps over bodies store them.
 py::tuple bytesOfASweep()
 {
-	return py::make_tuple(sizeof(cd::Group) / cd::Group::lanes, sizeof(cd::GroupBefore) / cd::Group::lanes, sizeof(cd::PackedBody));
+	return py::make_tuple(
+	    sizeof(cd::Group<cd::Plane>) / cd::lanes, sizeof(cd::GroupBefore<cd::Plane>) / cd::lanes, sizeof(cd::PackedBody<cd::Plane>));
 }
 
 } // namespace
@@ -168,6 +220,7 @@ py::tuple bytesOfASweep()
 BOOST_PYTHON_MODULE(_core)
 {
 	py::def("solve", solve);
+	py::def("solve_spheres", solveSpheres);
 	py::def("residual", residual);
 	py::def("bytes_of_a_sweep", bytesOfASweep);
 	defineNames();

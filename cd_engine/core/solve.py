@@ -8,7 +8,9 @@ import numpy as np
 
 from .files.body_problem import BodyProblem
 from .files.problem import LARGEST, Problem, vector
-from .files.space_bodies import SpaceBodyProblem
+from .files.space_bodies import SpaceBodyProblem, tangents
+
+MOST_IN_MATRIX = 5000  # contacts of spheres up to which Newton's method is tried where sweeps fail
 
 
 @dataclass(frozen=True)
@@ -117,11 +119,36 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     threads = _count("threads", threads, 1)
     if threads > 1024:
         raise ValueError(f"threads={threads} is out of range: it must be at most 1024")
+    if isinstance(problem, SpaceBodyProblem) and method != "newton" and (spheres := replace(problem).spheres()) is not None:
+        p = None if impulses is None else vector("impulses", impulses, 3 * problem.contacts)
+        report = _solve_spheres(spheres, problem, method, tolerance, max_iterations, p, fixed_iterations, seed, threads, trace)
+        left = max_iterations - report.iterations
+        if method != "auto" or report.converged or fixed_iterations > 0 or left <= 0 or problem.contacts > MOST_IN_MATRIX:
+            return report
+        rest = solve(problem.delassus(), method, tolerance, left, report.impulses, seed=seed, trace=trace)
+        looks = np.vstack([report.trace, rest.trace + [report.iterations, 0]]) if trace else None
+        return replace(rest, iterations=rest.iterations + report.iterations, seconds=rest.seconds + report.seconds, trace=looks)
     arrays = _arrays(problem)
     size = problem.dimension * len(arrays[-1])
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size)
     p, found = core.solve(arrays, p, method, float(tolerance), max_iterations, fixed_iterations, seed, bool(trace), threads)
-    p = np.frombuffer(p).copy()
+    return _report(problem, np.frombuffer(p).copy(), found, tolerance, trace)
+
+
+def _solve_spheres(spheres, problem, method, tolerance, max_iterations, impulses, fixed_iterations, seed, threads, trace):
+    """Solve by sweeps over the bodies, which know friction as a vector of the world."""
+    axes = np.stack([problem.normals, *tangents(problem.normals)], axis=1)
+    p = np.zeros((problem.contacts, 4))
+    if impulses is not None:
+        guess = impulses.reshape(-1, 3)
+        p[:, 0], p[:, 1:] = guess[:, 0], np.einsum("nk,nkj->nj", guess[:, 1:], axes[:, 1:])
+    p, found = _core().solve_spheres(spheres, p, method != "nsgs", float(tolerance), max_iterations, fixed_iterations, seed, bool(trace), threads)
+    p = np.frombuffer(p).reshape(-1, 4)
+    p = np.column_stack([p[:, 0], np.einsum("nj,nkj->nk", p[:, 1:], axes[:, 1:])])
+    return _report(problem, p.ravel(), found, tolerance, trace)
+
+
+def _report(problem, p, found, tolerance, trace):
     iterations, factorizations, e, worst, status, contact, solved_by, seconds, looks = found
     converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
     contact = contact if contact >= 0 and not converged else None

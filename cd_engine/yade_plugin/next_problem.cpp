@@ -6,15 +6,15 @@ namespace cd_engine {
 namespace {
 
 	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
-	py::tuple bodyArrays(const cd::ContactSystem& system)
+	py::tuple bodyArrays(const cd::ContactSystem<cd::Plane>& system)
 	{
 		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
 		std::vector<int32_t> pairs;
-		for (const cd::BodyVelocity& b : system.bodies) {
+		for (const cd::BodyVelocity<cd::Plane>& b : system.bodies) {
 			masses.insert(masses.end(), b.w, b.w + 3);
 			velocities.insert(velocities.end(), b.v, b.v + 3);
 		}
-		for (const cd::ContactRow& c : system.contacts) {
+		for (const cd::ContactRow<cd::Plane>& c : system.contacts) {
 			if (!(c.wnn > 0))
 				continue;
 			pairs.insert(pairs.end(), { c.a, c.b });

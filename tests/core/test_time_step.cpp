@@ -203,16 +203,14 @@ struct Asked {
 } asked;
 
 // A solver that spends all its sweeps and satisfies the first contact only.
-SolverReport stopFirst(ContactSystem& system, const SolverSettings& settings)
+SolverReport stopFirst(ContactSystem<Plane>& system, const SolverSettings& settings)
 {
 	asked.lastGuess.push_back(system.contacts.back().pn);
 	asked.contacts.push_back(static_cast<int>(system.contacts.size()));
 	asked.maxIterations.push_back(settings.maxIterations);
-	ContactRow& c = system.contacts[0];
-	double un, ut;
-	relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
-	c.pn = -un / c.wnn;
-	applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, 0);
+	ContactRow<Plane>& c = system.contacts[0];
+	c.pn = -relativeVelocity(c, system.bodies[c.a], system.bodies[c.b]).n / c.wnn;
+	applyImpulse(c, system.bodies[c.a], system.bodies[c.b], { c.pn, 0 });
 	SolverReport report;
 	report.iterations = settings.maxIterations;
 	report.status = Status::max_iterations;

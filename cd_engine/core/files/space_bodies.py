@@ -101,6 +101,32 @@ class SpaceBodyProblem:
         W = H.T @ mass @ H + sparse.diags(self.compliance[:, [0, 1, 1]].ravel())
         return Problem(0.5 * (W + W.T), self.velocities(np.zeros(3 * self.contacts)), self.mu, 3)
 
+    def spheres(self):
+        """Return the arrays that sweeps over spheres need, or None if the problem is not one for them.
+
+        The normal of every contact passes through the centre of each of its bodies that can turn, whose inertia is the same about all axes; other
+        bodies move alike in all directions, or along the normals of their contacts. Nothing drives bodies into each other: a solution exists.
+        """
+        own, turning = self._own(), self.inverse_inertias
+        spin = turning[:, 0, 0]
+        round_ = np.abs(turning - spin[:, None, None] * np.eye(3)).max(axis=(1, 2), initial=0) <= UNIT * np.abs(spin)
+        still = (self.inverse_masses > 0) | (self.free_velocities[:, :3] == 0)
+        if not (round_.all() and still.all() and (self.free_velocities[spin == 0, 3:] == 0).all() and (self.bias >= 0).all()
+                and not self.compliance.any()):
+            return None
+        arms = self.arms.reshape(-1, 2, 3)
+        along = np.einsum("nki,ni->nk", arms, self.normals) * [1, -1]
+        across = np.linalg.norm(arms - (along * [1, -1])[:, :, None] * self.normals[:, None], axis=2)
+        turns = spin[self.pairs] > 0
+        masses = self.inverse_masses[self.pairs].sum(axis=1)
+        drift = masses * self.normals
+        drift -= np.sum(drift * self.normals, axis=1)[:, None] * self.normals
+        if (turns & ((across > UNIT * np.abs(along)) | (along <= 0))).any() or (np.abs(drift) > UNIT * masses.max(axis=1, initial=0)[:, None]).any() \
+                or (np.abs(own[:, 1] - own[:, 2]) > UNIT * own[:, 1]).any():
+            return None
+        return (np.hstack([self.inverse_masses, np.repeat(spin[:, None], 3, axis=1)]), self.free_velocities, self.pairs, self.normals,
+                np.where(turns, along, 0.0), self.bias, self.mu)
+
     def _inverse_mass(self):
         blocks = np.zeros((2 * len(self.inverse_masses), 3, 3))
         blocks[::2] = self.inverse_masses[:, :, None] * np.eye(3)

@@ -7,7 +7,7 @@
 namespace cd {
 
 struct IslandPart {
-	ContactSystem system;
+	ContactSystem<Plane> system;
 	std::vector<double> freeVelocity; // of its bodies, three numbers each
 	std::vector<int32_t> bodies, contacts; // their numbers in the whole system
 	std::vector<int32_t> islandOf; // of each contact, in the whole system
@@ -15,7 +15,7 @@ struct IslandPart {
 
 	// Takes the islands that are wanted: contacts in the order of the whole, bodies with their free velocities.
 	template <class Wanted>
-	void take(const ContactSystem& whole, const std::vector<double>& free, const Partition& partition, const Wanted& wanted)
+	void take(const ContactSystem<Plane>& whole, const std::vector<double>& free, const Partition& partition, const Wanted& wanted)
 	{
 		system.bodies.clear();
 		system.places.clear();
@@ -31,7 +31,7 @@ struct IslandPart {
 			if (island < 0 || !wanted(island))
 				continue;
 			system.contacts.push_back(whole.contacts[i]);
-			ContactRow& c = system.contacts.back();
+			ContactRow<Plane>& c = system.contacts.back();
 			c.a = takeBody(whole, free, c.a);
 			c.b = takeBody(whole, free, c.b);
 			contacts.push_back(static_cast<int32_t>(i));
@@ -40,7 +40,7 @@ struct IslandPart {
 	}
 
 	// Gives the impulses of the islands that are wanted back to the whole.
-	template <class Wanted> void giveBack(ContactSystem& whole, const Wanted& wanted) const
+	template <class Wanted> void giveBack(ContactSystem<Plane>& whole, const Wanted& wanted) const
 	{
 		for (std::size_t i = 0; i < contacts.size(); i++)
 			if (wanted(islandOf[i])) {
@@ -58,7 +58,7 @@ struct IslandPart {
 	}
 
     private:
-	int32_t takeBody(const ContactSystem& whole, const std::vector<double>& free, int32_t body)
+	int32_t takeBody(const ContactSystem<Plane>& whole, const std::vector<double>& free, int32_t body)
 	{
 		if (place[body] < 0) {
 			place[body] = static_cast<int32_t>(bodies.size());

@@ -31,7 +31,7 @@ namespace {
 	constexpr double stopped = 1e-2;
 
 	// Twice the kinetic energy [J]; infinite if a blocked freedom moves.
-	double motion(const BodyVelocity& b)
+	double motion(const BodyVelocity<Plane>& b)
 	{
 		double sum = 0;
 		for (int k = 0; k < 3; k++)
@@ -86,10 +86,10 @@ template <class Condition> void IslandSolver::excite(const Condition& moves)
 
 // Clears `calm` of the islands that have a body of this system faster than `share` allows. places: of each body in it; null: its own
 // number.
-void IslandSolver::exciteFast(const ContactSystem& system, const int32_t* places, double tolerance, double share)
+void IslandSolver::exciteFast(const ContactSystem<Plane>& system, const int32_t* places, double tolerance, double share)
 {
 	own.assign(system.bodies.size(), 0);
-	for (const ContactRow& c : system.contacts) {
+	for (const ContactRow<Plane>& c : system.contacts) {
 		const double square = c.wnn * (c.pn * c.pn + c.pt * c.pt);
 		own[c.a] += square;
 		own[c.b] += square;
@@ -114,7 +114,7 @@ void IslandSolver::findCalm(double tolerance, double share)
 }
 
 // Finds the islands that sleep: nothing in them moved before the step, and their impulses keep it so. They count as solved.
-void IslandSolver::findAsleep(ContactSystem& system, const std::vector<Body>& before, double tolerance)
+void IslandSolver::findAsleep(ContactSystem<Plane>& system, const std::vector<Body>& before, double tolerance)
 {
 	for (Island& island : islands)
 		island.calm = true;
@@ -123,8 +123,8 @@ void IslandSolver::findAsleep(ContactSystem& system, const std::vector<Body>& be
 		return;
 	system.contacts.make();
 	part.take(system, freeVelocity, partition, [&](int32_t k) { return islands[k].calm; });
-	for (const ContactRow& c : part.system.contacts)
-		applyImpulse(c, part.system.bodies[c.a], part.system.bodies[c.b], c.pn, c.pt);
+	for (const ContactRow<Plane>& c : part.system.contacts)
+		applyImpulse(c, part.system.bodies[c.a], part.system.bodies[c.b], impulseOf(c));
 	findCalm(tolerance, sleeps);
 	for (std::size_t k = 0; k < islands.size(); k++)
 		if (islands[k].calm) {
@@ -138,7 +138,7 @@ void IslandSolver::findAsleep(ContactSystem& system, const std::vector<Body>& be
 // velocities. They keep the impulses that stop them, so that the forces of the step are those that moved its bodies. Only in an island at
 // rest before the step these are the impulses of rest, with which the next step finds it asleep. An island that moved is tried again in the
 // next step.
-void IslandSolver::tryRest(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
+void IslandSolver::tryRest(ContactSystem<Plane>& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
 	const std::vector<int>&loads = stillness.rest.loads, &before = stillness.rest.loadsBefore;
 	if (before.size() != system.bodies.size())
@@ -174,7 +174,7 @@ void IslandSolver::tryRest(ContactSystem& system, const Stillness& stillness, co
 	for (std::size_t i = 0; i < part.bodies.size(); i++) {
 		const int32_t body = part.bodies[i], k = partition.ofBody[body];
 		for (int j = 0; k >= 0 && islands[k].calm && j < 3; j++) {
-			const BodyVelocity& u = part.system.bodies[i];
+			const BodyVelocity<Plane>& u = part.system.bodies[i];
 			system.bodies[body].v[j] = 0;
 			if (!(u.w[j] > 0))
 				continue;
@@ -188,7 +188,7 @@ void IslandSolver::tryRest(ContactSystem& system, const Stillness& stillness, co
 }
 
 // Sets the velocities of all that sleeps to zero, and counts the islands that sleep on.
-void IslandSolver::stop(ContactSystem& system, const Sleepers& on, Effort& effort)
+void IslandSolver::stop(ContactSystem<Plane>& system, const Sleepers& on, Effort& effort)
 {
 	const int islandsOn = static_cast<int>(on.islands().size());
 	effort.islands += islandsOn;

@@ -14,7 +14,7 @@ namespace {
 	// Islands that reach their tolerance to the last digit may exceed it together by the round-off of their sums.
 	constexpr double onTheEdge = 1e-9;
 
-	void copyVelocities(const ContactSystem& system, std::vector<double>& to, Threads* threads)
+	void copyVelocities(const ContactSystem<Plane>& system, std::vector<double>& to, Threads* threads)
 	{
 		to.resize(3 * system.bodies.size());
 		forRanges(threads, system.bodies.size(), [&](std::size_t from, std::size_t end) {
@@ -23,34 +23,34 @@ namespace {
 		});
 	}
 
-	void addImpulse(ContactSystem& system, const ContactRow& c)
+	void addImpulse(ContactSystem<Plane>& system, const ContactRow<Plane>& c)
 	{
 		if (c.pn != 0 || c.pt != 0)
-			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
+			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], impulseOf(c));
 	}
 
 	// The impulses of a contact that no other contact influences.
-	Components<double> solveAlone(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B)
+	Components<double> solveAlone(const ContactRow<Plane>& c, const BodyVelocity<Plane>& A, const BodyVelocity<Plane>& B)
 	{
-		double un, ut;
-		relativeVelocity(c, A, B, un, ut);
-		return solveContact(c, { un + c.bias, ut }, { -0., -0. }); // 0 - 0 would lose the sign of a zero
+		Components<double> u = relativeVelocity(c, A, B);
+		u.n += c.bias;
+		return solveContact(c, u, { -0., -0. }); // 0 - 0 would lose the sign of a zero
 	}
 
 } // namespace
 
-SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort)
+SolverReport solveWhole(ContactSystem<Plane>& system, Solver method, const SolverSettings& settings, Effort& effort)
 {
 	const SolverReport report = method(system, settings);
 	effort = {};
-	for (const BodyVelocity& b : system.bodies)
+	for (const BodyVelocity<Plane>& b : system.bodies)
 		effort.unknowns += freedoms(b);
 	effort.islands = !system.contacts.empty();
 	effort.resting = effort.islands && report.iterations == 0;
 	return report;
 }
 
-void IslandSolver::findIslands(ContactSystem& system, Threads* threads, Effort& effort)
+void IslandSolver::findIslands(ContactSystem<Plane>& system, Threads* threads, Effort& effort)
 {
 	if (!partition.knows(system))
 		system.contacts.make();
@@ -67,7 +67,7 @@ void IslandSolver::findIslands(ContactSystem& system, Threads* threads, Effort& 
 }
 
 // Computes only impulses: the bodies keep their free velocities. A contact rests if its first guess is within the tolerance of the solution.
-void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
+void IslandSolver::solveLoneContacts(ContactSystem<Plane>& system, double tolerance)
 {
 	lone = {};
 	for (std::size_t k = 0; k < islands.size(); k++) {
@@ -75,7 +75,7 @@ void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 		if (partition.islands[k].contacts > 1 || island.state == State::asleep)
 			continue;
 		system.contacts.make();
-		ContactRow& c = system.contacts[partition.islands[k].first];
+		ContactRow<Plane>& c = system.contacts[partition.islands[k].first];
 		const Components<double> p = solveAlone(c, system.bodies[c.a], system.bodies[c.b]);
 		island.sweeps = std::hypot(p.n - c.pn, p.t - c.pt) > tolerance * std::hypot(p.n, p.t);
 		island.state = State::solved;
@@ -87,12 +87,12 @@ void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 }
 
 // Whether the error of the whole proves that the one larger island meets its own tolerance. Lone contacts add to |p|, not to the difference.
-bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, double tolerance) const
+bool IslandSolver::withinItsOwn(const ContactSystem<Plane>& system, double error, double tolerance) const
 {
 	if (lone.square == 0)
 		return true;
 	ResidualSum all;
-	for (const ContactRow& c : system.contacts) {
+	for (const ContactRow<Plane>& c : system.contacts) {
 		const double square = c.pn * c.pn + c.pt * c.pt;
 		all.square += square;
 		all.squareEnergy += c.wnn * square;
@@ -102,7 +102,7 @@ bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, doubl
 }
 
 // Whether the only island beside lone contacts has nine tenths of the contacts, and most bodies touch something: taking it out would cost too much.
-bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
+bool IslandSolver::isNearlyOneIsland(const ContactSystem<Plane>& system) const
 {
 	int open = 0;
 	std::size_t contacts = 0;
@@ -116,14 +116,14 @@ bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 
 // Solves the system as it is. Sweeps do not change the lone contacts, since these are solved. After a step without sweeps, first tests whether the
 // guess is the solution again, before anything is packed.
-SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings, Rest* rest)
+SolverReport IslandSolver::solveInPlace(ContactSystem<Plane>& system, Solver method, const SolverSettings& settings, Rest* rest)
 {
 	SolverReport report;
 	if (rest && rest->withoutSweep && surelySolvable(system, settings.threads)) {
 		system.contacts.make();
 		report.measure(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
-			for (const ContactRow& c : system.contacts)
+			for (const ContactRow<Plane>& c : system.contacts)
 				addImpulse(system, c);
 			return report;
 		}
@@ -151,7 +151,7 @@ int IslandSolver::markSolved(double tolerance)
 
 // Solves the islands together, then goes on with those not solved by themselves. The bodies of the system keep their free velocities. Reports the
 // status, the factorizations, and the contact of the first island found without a solution, else of one whose first guess must not be used again.
-SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
+SolverReport IslandSolver::solveInParts(ContactSystem<Plane>& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport of;
 	Status unsolved = Status::converged; // of the first island found without a solution
@@ -204,7 +204,7 @@ SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, co
 }
 
 // Computes the velocities and the error of the whole system.
-SolverReport IslandSolver::conclude(ContactSystem& system, SolverReport report, double tolerance, const Stillness* stillness)
+SolverReport IslandSolver::conclude(ContactSystem<Plane>& system, SolverReport report, double tolerance, const Stillness* stillness)
 {
 	all.clear();
 	double work = 0; // of the islands that are awake
@@ -231,7 +231,7 @@ SolverReport IslandSolver::conclude(ContactSystem& system, SolverReport report, 
 }
 
 SolverReport IslandSolver::operator()(
-    ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort, const Stillness* stillness)
+    ContactSystem<Plane>& system, Solver method, const SolverSettings& settings, Effort& effort, const Stillness* stillness)
 {
 	assert(system.places.empty() || system.places.size() == system.bodies.size());
 	found.clear();

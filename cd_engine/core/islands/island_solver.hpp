@@ -29,13 +29,13 @@ struct Effort {
 };
 
 // Solves all contacts at once.
-SolverReport solveWhole(ContactSystem&, Solver, const SolverSettings&, Effort&);
+SolverReport solveWhole(ContactSystem<Plane>&, Solver, const SolverSettings&, Effort&);
 
 // Solves island by island. A system of one island gets the same bits as from solveWhole, unless the step needs no sweep. Settings with
 // fixedIterations or a random order refer to the whole system; it is then solved as a whole. iterations: the most made on any island.
 class IslandSolver {
     public:
-	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
+	SolverReport operator()(ContactSystem<Plane>&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
 
 	// Puts the islands to sleep that the last call has found asleep.
 	void putToSleep(Sleepers& sleepers, const World& world) const { sleepers.add(world, found, partition.name); }
@@ -48,22 +48,22 @@ class IslandSolver {
 		bool calm = false; // its bodies have passed the present test of rest
 	};
 
-	void findIslands(ContactSystem&, Threads*, Effort&);
-	void solveLoneContacts(ContactSystem&, double tolerance);
-	bool isNearlyOneIsland(const ContactSystem&) const;
-	SolverReport solveInPlace(ContactSystem&, Solver, const SolverSettings&, Rest*);
-	bool withinItsOwn(const ContactSystem&, double error, double tolerance) const;
-	SolverReport solveInParts(ContactSystem&, Solver, const SolverSettings&);
+	void findIslands(ContactSystem<Plane>&, Threads*, Effort&);
+	void solveLoneContacts(ContactSystem<Plane>&, double tolerance);
+	bool isNearlyOneIsland(const ContactSystem<Plane>&) const;
+	SolverReport solveInPlace(ContactSystem<Plane>&, Solver, const SolverSettings&, Rest*);
+	bool withinItsOwn(const ContactSystem<Plane>&, double error, double tolerance) const;
+	SolverReport solveInParts(ContactSystem<Plane>&, Solver, const SolverSettings&);
 	int markSolved(double tolerance);
-	SolverReport conclude(ContactSystem&, SolverReport, double tolerance, const Stillness*);
+	SolverReport conclude(ContactSystem<Plane>&, SolverReport, double tolerance, const Stillness*);
 
 	// island_sleep.cpp
 	template <class Condition> void excite(const Condition& moves);
-	void exciteFast(const ContactSystem&, const int32_t* places, double tolerance, double share);
+	void exciteFast(const ContactSystem<Plane>&, const int32_t* places, double tolerance, double share);
 	void findCalm(double tolerance, double share);
-	void findAsleep(ContactSystem&, const std::vector<Body>& before, double tolerance);
-	void tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
-	void stop(ContactSystem&, const Sleepers& on, Effort&);
+	void findAsleep(ContactSystem<Plane>&, const std::vector<Body>& before, double tolerance);
+	void tryRest(ContactSystem<Plane>&, const Stillness&, const SolverSettings&, Effort&);
+	void stop(ContactSystem<Plane>&, const Sleepers& on, Effort&);
 
 	Partition partition; // of the system
 	std::vector<Island> islands; // of the system

@@ -64,11 +64,11 @@ void Sleepers::update(World& world)
 	wakeDisturbed(world);
 }
 
-bool Sleepers::wake(const ContactRows& contacts, World& world)
+bool Sleepers::wake(const ContactRows<Plane>& contacts, World& world)
 {
 	if (none())
 		return false;
-	for (const ContactRow& c : contacts)
+	for (const ContactRow<Plane>& c : contacts)
 		for (const int32_t body : { c.a, c.b })
 			if (c.wnn > 0) // else nothing passes through it
 				disturb(body, "a body that is awake came near", body == c.a ? c.b : c.a);

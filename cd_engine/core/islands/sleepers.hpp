@@ -52,7 +52,7 @@ class Sleepers {
 	void update(World&);
 	void wakeAll(World&, const Cause& why = { "near pairs were searched anew, since a body has moved far, come or gone", -1 });
 	// Wakes the islands that have a body in one of these contacts. Returns whether there were any.
-	bool wake(const ContactRows&, World&);
+	bool wake(const ContactRows<Plane>&, World&);
 	// Adds the islands that a step has examined and found asleep. names: of each body, the name of its island.
 	void add(const World&, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names);
 

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "problem/problem.hpp"
-#include "kernels/group.hpp"
-#include "scene/scene.hpp"
+#include "kernels/group_in_space.hpp"
 
 #include <cstddef>
 
@@ -11,13 +10,13 @@ namespace cd {
 
 // The members of AheadReport, summed lane by lane.
 struct alignas(64) LaneSums {
-	double change[Group::lanes], against[Group::lanes];
+	double change[lanes], against[lanes];
 };
 
 // How far the contacts miss the contact law, summed lane by lane: members of ResidualSum.
 struct alignas(64) LaneMisses {
-	double difference[Group::lanes], square[Group::lanes], differenceEnergy[Group::lanes], squareEnergy[Group::lanes];
-	double missed[Group::lanes], worst[Group::lanes], mostMissed[Group::lanes];
+	double difference[lanes], square[lanes], differenceEnergy[lanes], squareEnergy[lanes];
+	double missed[lanes], worst[lanes], mostMissed[lanes];
 };
 
 // Eight pairs.
@@ -46,7 +45,11 @@ struct RowSettings {
 	double onCone; // factor on mu p_n up to which a first guess is in the cone
 };
 
-struct GroupKernel {
+template <class Space> struct GroupKernel {
+	using PackedBody = cd::PackedBody<Space>;
+	using Group = cd::Group<Space>;
+	using GroupBefore = cd::GroupBefore<Space>;
+
 	const char* name;
 	// Solves the contacts of groups[0 .. count) in turn, while the others are held.
 	void (*sweep)(Group* groups, std::size_t count, PackedBody* bodies);
@@ -59,6 +62,7 @@ struct GroupKernel {
 	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
 	// the sums, and writes the values of each contact to `each` if it is not null.
 	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
+	// From here on for the plane only, null in space.
 	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held. Where `before` is not null,
 	// the impulses must already have the values of y, and `steps` gets the results.
 	void (*sweepRows)(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);
@@ -67,27 +71,32 @@ struct GroupKernel {
 	// Where the disks of `count` times eight pairs touch.
 	void (*overlaps)(const Place* places, PairLanes* pairs, std::size_t count, double nearby);
 	// The rows of `count` pairs, which begin in the first lane; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
-	void (*assemble)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
-	    std::size_t count, const RowSettings& settings);
-	// What `count` impulses p, two a contact, do.
-	void (*effects)(const Place* places, const Mean* means, const double* p, std::size_t count, const PairLanes* pairs, PairEffects* effects,
-	    std::size_t groups);
+	void (*assemble)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes* pairs,
+	    ContactRow<Space>* rows, std::size_t count, const RowSettings& settings);
+	// What `count` impulses p do.
+	void (*effects)(const Place* places, const Mean* means, const ImpulseOf<Space>* p, std::size_t count, const PairLanes* pairs,
+	    PairEffects* effects, std::size_t groups);
 	// The contacts of eight pairs as a group. Returns the lanes, a bit each, where wnn would be 0.
-	unsigned (*assembleGroup)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes& pairs, Group& group,
-	    const RowSettings& settings);
+	unsigned (*assembleGroup)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes& pairs,
+	    Group& group, const RowSettings& settings);
 };
 
 // The kernels that this processor can run, the fastest first. The last one runs on any processor.
-struct GroupKernels {
-	const GroupKernel* first;
+template <class Space> struct GroupKernels {
+	const GroupKernel<Space>* first;
 	std::size_t count;
-	const GroupKernel* begin() const { return first; }
-	const GroupKernel* end() const { return first + count; }
+	const GroupKernel<Space>* begin() const { return first; }
+	const GroupKernel<Space>* end() const { return first + count; }
 };
-GroupKernels groupKernels();
+template <class Space> GroupKernels<Space> groupKernels();
 
 // The kernel in use: the fastest, unless a test or a benchmark has chosen another.
-const GroupKernel& groupKernel();
-void useGroupKernel(const GroupKernel&);
+template <class Space> const GroupKernel<Space>& groupKernel();
+template <class Space> void useGroupKernel(const GroupKernel<Space>&);
+
+template <> GroupKernels<Plane> groupKernels();
+template <> const GroupKernel<Plane>& groupKernel();
+template <> const GroupKernel<Space3>& groupKernel();
+template <> void useGroupKernel(const GroupKernel<Plane>&); // in space, too; one of groupKernels()
 
 } // namespace cd

@@ -6,3 +6,4 @@
 #include "problem/contact_system.hpp"
 #include "problem/delassus_system.hpp"
 #include "problem/law.hpp"
+#include "problem/law_in_space.hpp"

@@ -61,17 +61,16 @@ namespace {
 
 } // namespace
 
-Resolution resolution(const ContactSystem& s, const std::vector<double>& freeVelocity)
+Resolution resolution(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
 {
 	assert(freeVelocity.size() == 3 * s.bodies.size());
 	Sum sum;
 	for (std::size_t i = 0; i < s.contacts.size(); i++) {
-		const ContactRow& c = s.contacts[i];
+		const ContactRow<Plane>& c = s.contacts[i];
 		if (!(c.wnn > 0))
 			continue;
-		double un, ut;
-		relativeVelocity(c, s.bodies[c.a], s.bodies[c.b], un, ut);
-		const double free = relativeVelocity<false>(c, motionOf(&freeVelocity[3 * c.a]), motionOf(&freeVelocity[3 * c.b])).n;
+		const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
+		const double free = relativeVelocity<false>(c, motionOf<Plane>(&freeVelocity[3 * c.a]), motionOf<Plane>(&freeVelocity[3 * c.b])).n;
 		const double *va = s.bodies[c.a].v, *vb = s.bodies[c.b].v;
 		const double terms
 		    = std::abs(va[0]) + std::abs(va[1]) + std::abs(vb[0]) + std::abs(vb[1]) + std::abs(c.an * va[2]) + std::abs(c.bn * vb[2]);
@@ -124,7 +123,7 @@ Resolution resolution(const ConeSystem& s)
 	return sum.result();
 }
 
-double energyGain(const ContactSystem& s, const std::vector<double>& freeVelocity)
+double energyGain(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
 {
 	double after = 0, before = 0; // twice the energies [J]
 	for (std::size_t i = 0; i < s.bodies.size(); i++)

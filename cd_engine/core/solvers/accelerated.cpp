@@ -26,7 +26,7 @@
 namespace cd {
 namespace {
 
-	class Momentum {
+	template <class Sweep> class Momentum {
 	    public:
 		explicit Momentum(Sweep& s)
 		    : sweep(s)
@@ -149,9 +149,16 @@ namespace {
 
 } // namespace
 
-SolverReport accelerated(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep, Momentum>(system, settings); }
+SolverReport accelerated(ContactSystem<Plane>& system, const SolverSettings& settings)
+{
+	return iterate<Sweep<Plane>, Momentum<Sweep<Plane>>>(system, settings);
+}
 
 SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings) { return compared<DelassusSweep>(system, settings); }
+SolverReport accelerated(ContactSystem<Space3>& system, const SolverSettings& settings)
+{
+	return iterate<Sweep<Space3>, Momentum<Sweep<Space3>>>(system, settings);
+}
 SolverReport accelerated(ConeSystem& system, const SolverSettings& settings) { return compared<ConeSweep>(system, settings); }
 
 } // namespace cd

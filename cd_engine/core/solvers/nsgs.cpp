@@ -6,8 +6,9 @@
 
 namespace cd {
 
-SolverReport nsgs(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep>(system, settings); }
+SolverReport nsgs(ContactSystem<Plane>& system, const SolverSettings& settings) { return iterate<Sweep<Plane>>(system, settings); }
 SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
+SolverReport nsgs(ContactSystem<Space3>& system, const SolverSettings& settings) { return iterate<Sweep<Space3>>(system, settings); }
 SolverReport nsgs(ConeSystem& system, const SolverSettings& settings) { return iterate<ConeSweep>(system, settings); }
 
 } // namespace cd

@@ -27,14 +27,14 @@ namespace {
 		return feasibility(s, least, products);
 	}
 
-	void clearImpulses(ContactSystem& s)
+	void clearImpulses(ContactSystem<Plane>& s)
 	{
 		s.contacts.make();
-		for (ContactRow& c : s.contacts)
+		for (ContactRow<Plane>& c : s.contacts)
 			c.pn = c.pt = 0;
 	}
 
-	void makeRows(ContactSystem& s) { s.contacts.make(); }
+	void makeRows(ContactSystem<Plane>& s) { s.contacts.make(); }
 	template <class Matrix> void makeRows(Matrix&) { }
 
 	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
@@ -77,7 +77,7 @@ namespace {
 
 	// Whether impulses have more than doubled the energy of a scene in which nothing drives bodies. Impulses that balance each other may be so
 	// large that all velocities they cause are within the tolerance. Those of the first guess have been accepted before.
-	bool createEnergy(ContactSystem& s, const Start& start, const SolverReport& report)
+	bool createEnergy(ContactSystem<Plane>& s, const Start& start, const SolverReport& report)
 	{
 		if (report.status != Status::converged || !(energyGain(s, start.freeVelocity()) > 2))
 			return false;
@@ -86,10 +86,10 @@ namespace {
 	}
 
 	// Plain sweeps from zero impulses create none that balance each other.
-	void solveFromNothing(ContactSystem& system, const Start& start, const SolverSettings& settings, SolverReport& report)
+	void solveFromNothing(ContactSystem<Plane>& system, const Start& start, const SolverSettings& settings, SolverReport& report)
 	{
 		clearImpulses(system);
-		report = goOn<ContactSystem>(system, start, settings, report, nsgs);
+		report = goOn<ContactSystem<Plane>>(system, start, settings, report, nsgs);
 		report.plain = true;
 		if (createEnergy(system, start, report)) {
 			report.status = Status::stagnated;
@@ -168,7 +168,7 @@ namespace {
 		if (!start.solvable) {
 			makeRows(system);
 			resolve<System>(system, start, part, report, method);
-		} else if constexpr (std::is_same_v<System, ContactSystem>)
+		} else if constexpr (std::is_same_v<System, ContactSystem<Plane>>)
 			if (createEnergy(system, start, report))
 				solveFromNothing(system, start, part, report);
 		return report;
@@ -181,10 +181,10 @@ namespace {
 		ConeSolver coneSolver = nullptr;
 	};
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem, nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs> },
-		{ "accelerated", solved<ContactSystem, accelerated>, solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated> },
-		{ "newton", solved<ContactSystem, newton>, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
-		{ "auto", solved<ContactSystem, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic> },
+		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs> },
+		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated> },
+		{ "newton", solved<ContactSystem<Plane>, newton>, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic> },
 	};
 
 	const Entry& find(const std::string& method)

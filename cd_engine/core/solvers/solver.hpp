@@ -77,7 +77,7 @@ struct SolverReport {
 };
 
 // Improves the impulses in `system.contacts` and leaves the velocities of these impulses in `system.bodies`.
-using Solver = SolverReport (*)(ContactSystem&, const SolverSettings&);
+using Solver = SolverReport (*)(ContactSystem<Plane>&, const SolverSettings&);
 // The same method for a problem given by its matrix; improves the impulses in `system.p`.
 using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
 using ConeSolver = SolverReport (*)(ConeSystem&, const SolverSettings&); // in space
@@ -92,16 +92,19 @@ DelassusSolver findDelassusSolver(const std::string& method);
 ConeSolver findConeSolver(const std::string& method);
 std::vector<std::string> solverNames();
 
-SolverReport nsgs(ContactSystem&, const SolverSettings&);
+SolverReport nsgs(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport nsgs(DelassusSystem&, const SolverSettings&);
+// Spheres in space, and boundaries: the impulses are improved as by the methods above, but nobody tests whether they resolve the velocities.
+SolverReport nsgs(ContactSystem<Space3>&, const SolverSettings&);
+SolverReport accelerated(ContactSystem<Space3>&, const SolverSettings&);
 SolverReport nsgs(ConeSystem&, const SolverSettings&);
-SolverReport accelerated(ContactSystem&, const SolverSettings&);
+SolverReport accelerated(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport accelerated(DelassusSystem&, const SolverSettings&);
 SolverReport accelerated(ConeSystem&, const SolverSettings&);
-SolverReport newton(ContactSystem&, const SolverSettings&);
+SolverReport newton(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport newton(DelassusSystem&, const SolverSettings&);
 SolverReport newton(ConeSystem&, const SolverSettings&);
-SolverReport automatic(ContactSystem&, const SolverSettings&);
+SolverReport automatic(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport automatic(DelassusSystem&, const SolverSettings&);
 SolverReport automatic(ConeSystem&, const SolverSettings&);
 

@@ -17,15 +17,15 @@ class Account {
 	void clear(const Sleepers&);
 	// Writes the forces into the world and adds to the counts and the energy. Wakes the islands in which a force changes. If rows are postponed
 	// they must be solved beside.
-	void book(World&, const StepView&, const ContactFinder&, const ProblemBuilder&, const ContactRows&, Sleepers&, StepReport&);
+	void book(World&, const StepView&, const ContactFinder&, const ProblemBuilder&, const ContactRows<Plane>&, Sleepers&, StepReport&);
 	// The impulses of all contacts on each body in the step that has left the world, those of sleeping islands included.
-	const std::vector<Impulse>& impulses(const World&, const ContactFinder&, const BodyMotion&, const ContactRows&);
+	const std::vector<Impulse>& impulses(const World&, const ContactFinder&, const BodyMotion&, const ContactRows<Plane>&);
 
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
 	bool sparedRows() const { return spared; }
 
     private:
-	void bookSleeping(const World&, const StepView&, const ContactFinder&, const ContactRows&, Sleepers&, StepReport&);
+	void bookSleeping(const World&, const StepView&, const ContactFinder&, const ContactRows<Plane>&, Sleepers&, StepReport&);
 
 	std::vector<Impulse> sums;
 	bool known = false; // whether they are summed; if not, nothing sleeps, and they can be summed from the contacts of the last step

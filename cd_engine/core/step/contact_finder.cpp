@@ -18,10 +18,10 @@ namespace {
 	}
 
 	// The velocity change along a face that a unit impulse on disk b across it causes [1/kg]; 0: the disk cannot move so.
-	double mobility(const BodyVelocity& b, const Foot& face)
+	double mobility(const BodyVelocity<Plane>& b, const Foot& face)
 	{
 		const double along = b.w[0] * face.nx * face.nx + b.w[1] * face.ny * face.ny;
-		return ContactRow::held(along, b.w[0] + b.w[1]) ? 0 : along;
+		return ContactRow<Plane>::held(along, b.w[0] + b.w[1]) ? 0 : along;
 	}
 
 	// Whether the centre of disk b has entered boundary a in the first half of the step, and through which face. Two earlier positions must give
@@ -53,7 +53,7 @@ namespace {
 				Foot face;
 				if (!isBoundary(step.place(pair.a)) || !isThrough(step, pair, step.locate(pair), face))
 					continue;
-				const BodyVelocity& b = step.bodies[pair.b];
+				const BodyVelocity<Plane>& b = step.bodies[pair.b];
 				const double back = (step.place(pair.b).radius - face.distance) / mobility(b, face);
 				motion.shift(pair.b, back * b.w[0] * face.nx, back * b.w[1] * face.ny);
 			}
@@ -122,7 +122,7 @@ ContactFinder::Found ContactFinder::searchRange(const StepView& step, std::size_
 		const std::size_t count = std::min(batch, to - from);
 		PairLanes pairs[groupsInBatch];
 		const std::size_t groups = load<false>(step, count, pairs, [&](std::size_t k) { return which[k]; });
-		groupKernel().overlaps(step.motion.places().data(), pairs, groups, nearby);
+		groupKernel<Plane>().overlaps(step.motion.places().data(), pairs, groups, nearby);
 		for (std::size_t k = 0; k < count; k++) {
 			const PairLanes& p = pairs[k / lanes];
 			const std::size_t lane = k % lanes;

@@ -9,7 +9,7 @@
 namespace cd {
 namespace {
 
-	inline void setFree(const Body& b, double dt, BodyVelocity& s)
+	inline void setFree(const Body& b, double dt, BodyVelocity<Plane>& s)
 	{
 		for (int k = 0; k < 3; k++) {
 			s.w[k] = b.inverseMass[k];
@@ -30,7 +30,7 @@ double smallestRadius(const World& world)
 	return smallest;
 }
 
-BodyMotion::Start BodyMotion::begin(const World& world, double dt, ContactSystem& system, Threads& threads)
+BodyMotion::Start BodyMotion::begin(const World& world, double dt, ContactSystem<Plane>& system, Threads& threads)
 {
 	assert(dt > 0 && world.shapes.size() == world.bodies.size());
 	const std::size_t count = world.bodies.size();
@@ -59,7 +59,7 @@ BodyMotion::Start BodyMotion::begin(const World& world, double dt, ContactSystem
 	});
 }
 
-void BodyMotion::resetFree(const World& world, double dt, ContactSystem& system, Threads& threads)
+void BodyMotion::resetFree(const World& world, double dt, ContactSystem<Plane>& system, Threads& threads)
 {
 	forRanges(&threads, world.bodies.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t i = from; i < to; i++)
@@ -80,7 +80,7 @@ std::vector<double> BodyMotion::reaches(const World& world, double dt) const
 	return all;
 }
 
-bool BodyMotion::average(const World& world, double dt, const std::vector<BodyVelocity>& bodies, bool solved, Threads& threads)
+bool BodyMotion::average(const World& world, double dt, const std::vector<BodyVelocity<Plane>>& bodies, bool solved, Threads& threads)
 {
 	assert(bodies.size() == world.bodies.size() && way.size() == bodies.size());
 	meanOf.resize(bodies.size());
@@ -118,7 +118,7 @@ void BodyMotion::shift(int32_t disk, double x, double y)
 	placeOf[disk].y += y;
 }
 
-bool BodyMotion::finish(World& world, double h, const std::vector<BodyVelocity>& bodies, Threads& threads) const
+bool BodyMotion::finish(World& world, double h, const std::vector<BodyVelocity<Plane>>& bodies, Threads& threads) const
 {
 	const auto move = [&](std::size_t from, std::size_t to) {
 		bool moves = false;

@@ -17,7 +17,7 @@ inline std::size_t load(const StepView& step, std::size_t count, PairLanes* lane
 	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
 	const Pair* const pairs = step.world.pairs.data();
 	const Place* const places = step.motion.places().data();
-	const BodyVelocity* const bodies = step.bodies.data();
+	const BodyVelocity<Plane>* const bodies = step.bodies.data();
 	for (std::size_t g = 0; g < groups; g++) {
 		PairLanes& p = lanes[g];
 		for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {

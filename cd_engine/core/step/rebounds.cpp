@@ -21,18 +21,18 @@ bool Rebounds::any() const
 	    demands.begin(), demands.end(), [](const Demand& d) { return !std::isnan(d.rebound) && bias(d.plain, d.rebound) != bias(d.plain, 0); });
 }
 
-void Rebounds::findIslands(const ContactSystem& system)
+void Rebounds::findIslands(const ContactSystem<Plane>& system)
 {
 	partition.update(system);
 	balances.resize(system.bodies.size());
 }
 
 // Reduces the rebounds of the islands that have lost a share of theirs. Returns whether this changes any bias.
-bool Rebounds::reduce(ContactSystem& system)
+bool Rebounds::reduce(ContactSystem<Plane>& system)
 {
 	bool changed = false;
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		ContactRow& c = system.contacts[i];
+		ContactRow<Plane>& c = system.contacts[i];
 		const Balance& balance = balanceOf(i);
 		if (balance.lowered == 0 || std::isnan(demands[i].rebound))
 			continue;
@@ -43,7 +43,7 @@ bool Rebounds::reduce(ContactSystem& system)
 	return changed;
 }
 
-bool Rebounds::giveUp(ContactSystem& system, int32_t row)
+bool Rebounds::giveUp(ContactSystem<Plane>& system, int32_t row)
 {
 	findIslands(system);
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
@@ -52,7 +52,7 @@ bool Rebounds::giveUp(ContactSystem& system, int32_t row)
 	return reduce(system);
 }
 
-bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, double dt, double tolerance, bool atOnce)
+bool Rebounds::lower(ContactSystem<Plane>& system, const std::vector<Body>& before, double dt, double tolerance, bool atOnce)
 {
 	assert(before.size() == system.bodies.size() && dt > 0 && tolerance >= 0);
 	constexpr int all = static_cast<int>(std::size(shares));
@@ -60,7 +60,7 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, dou
 	for (Balance& balance : balances)
 		balance.sinceBefore = balance.sinceFree = balance.scale = balance.energy = 0;
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
-		const BodyVelocity& body = system.bodies[i];
+		const BodyVelocity<Plane>& body = system.bodies[i];
 		Balance& balance = balances[partition.name[i]];
 		for (int k = 0; k < 3; k++) {
 			const double free = before[i].v[k] + dt * before[i].inverseMass[k] * before[i].force[k], change = body.v[k] - free;
@@ -74,19 +74,18 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, dou
 	}
 	// Subtracts the work of boundaries that move.
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const ContactRow& c = system.contacts[i];
+		const ContactRow<Plane>& c = system.contacts[i];
 		if (!(c.pn > 0))
 			continue;
-		BodyVelocity a = system.bodies[c.a], b = system.bodies[c.b];
-		for (BodyVelocity* body : { &a, &b })
+		BodyVelocity<Plane> a = system.bodies[c.a], b = system.bodies[c.b];
+		for (BodyVelocity<Plane>* body : { &a, &b })
 			for (int k = 0; k < 3; k++)
 				if (body->w[k] > 0)
 					body->v[k] = 0;
-		double un, ut;
-		relativeVelocity(c, a, b, un, ut);
+		const double work = dot(impulseOf(c), relativeVelocity(c, a, b));
 		Balance& balance = balanceOf(i);
-		balance.sinceBefore += c.pn * un + c.pt * ut;
-		balance.sinceFree += c.pn * un + c.pt * ut;
+		balance.sinceBefore += work;
+		balance.sinceFree += work;
 	}
 	bool any = false;
 	remains = false;

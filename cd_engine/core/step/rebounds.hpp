@@ -45,14 +45,14 @@ class Rebounds {
 	// changed a bias. To be called again after the next solution. `before`: the bodies before the step of dt. Islands are lowered only if the
 	// energy grows both over the whole step and over the impulses alone. If only one of the two grows, the work of the forces in the step causes
 	// it, not the rebounds. atOnce: give up all rebounds of such an island.
-	bool lower(ContactSystem&, const std::vector<Body>& before, double dt, double tolerance, bool atOnce);
+	bool lower(ContactSystem<Plane>&, const std::vector<Body>& before, double dt, double tolerance, bool atOnce);
 
 	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.
 	bool energyRemains() const { return remains; }
 
 	// Gives up all rebounds in the island of contact `row`, in a step that has no solution with them; if `row` is negative, in every island.
 	// Returns whether there was a rebound to give up.
-	bool giveUp(ContactSystem&, int32_t row);
+	bool giveUp(ContactSystem<Plane>&, int32_t row);
 
     private:
 	struct Demand { // as given to set()
@@ -66,9 +66,9 @@ class Rebounds {
 		int lowered = 0; // how often its rebounds were lowered
 	};
 
-	void findIslands(const ContactSystem&);
+	void findIslands(const ContactSystem<Plane>&);
 	Balance& balanceOf(std::size_t contact) { return balances[partition.nameAt(contact)]; }
-	bool reduce(ContactSystem&);
+	bool reduce(ContactSystem<Plane>&);
 
 	bool remains = false;
 	std::vector<Demand> demands; // of the contacts

@@ -12,7 +12,7 @@ namespace cd {
 struct StepView {
 	const World& world; // as before the step
 	const StepSettings& settings;
-	const std::vector<BodyVelocity>& bodies; // with their free velocities, then with those of the solution
+	const std::vector<BodyVelocity<Plane>>& bodies; // with their free velocities, then with those of the solution
 	const BodyMotion& motion;
 	Threads& threads;
 

@@ -24,7 +24,7 @@ void TimeStep::prepare(World& world, const StepView& step)
 	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none());
 }
 
-const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
+const ContactSystem<Plane>& TimeStep::assemble(World& world, const StepSettings& settings)
 {
 	prepare(world, { world, settings, system.bodies, motion, threads });
 	system.contacts.make();

@@ -26,7 +26,7 @@ class TimeStep {
 	StepReport operator()(World&, const StepSettings&);
 
 	// The problem that such a step would give to its solver, with the free velocities. The world is not moved.
-	const ContactSystem& assemble(World&, const StepSettings&);
+	const ContactSystem<Plane>& assemble(World&, const StepSettings&);
 
 	// Of the last step: the pairs that had a contact.
 	const std::vector<int32_t>& pairs() const { return finder.pairs(); }
@@ -63,7 +63,7 @@ class TimeStep {
 	Status solve(const StepView&, const Stillness&, Goal&, StepReport&);
 
 	Workspace memory; // of the solvers
-	ContactSystem system; // the motion sets its bodies, the builder its contacts, and the solver solves it
+	ContactSystem<Plane> system; // the motion sets its bodies, the builder its contacts, and the solver solves it
 	BodyMotion motion;
 	ContactFinder finder;
 	ProblemBuilder builder;
