@@ -112,6 +112,48 @@ def test_random_scenes(kind, bodies, mu, ratio, skew):
     assert report.converged and error_of(problem, report.impulses) <= 1.001e-8
 
 
+@pytest.mark.parametrize("method", ["nsgs", "accelerated"])
+def test_spheres_are_swept_over_their_bodies(method):
+    """With one thread or several and every instruction set the same bits, whose error is that of the matrix."""
+    bodies = space_scenes.scene("spheres", 900, 0.4, 1)
+    assert bodies.contacts > 2000 and bodies.spheres() is not None
+    problem, found = bodies.delassus(), set()
+    try:
+        for name in core.instruction_sets():
+            core.use_instruction_set(name)
+            for threads in (1, 2, 3):
+                report = core.solve(bodies, method, 1e-6, threads=threads)
+                assert report.converged and error_of(problem, report.impulses) <= 1.001e-6
+                found.add(report.impulses.tobytes())
+    finally:
+        core.use_instruction_set(core.instruction_sets()[0])
+    assert len(found) == 1
+
+
+def test_bodies_and_rows_have_one_solution():
+    """Spheres in a row, and a loaded wall that moves along its normal only."""
+    n, draw = 6, np.random.default_rng(2)
+    free = draw.normal(0, 1, (n, 6))
+    free[0], free[-1] = 0, [0, 0, -3, 0, 0, 0]
+    inverse = np.vstack([[0, 0, 0], draw.uniform(1, 3, (n - 2, 1)) * [1, 1, 1], [0, 0, 0.5]])
+    pairs = np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
+    arms = np.array([[0, 0, 1, 0, 0, -1]] * (n - 1)) * np.repeat((pairs > 0) & (pairs < n - 1), 3, axis=1)
+    bodies = core.SpaceBodyProblem(inverse, 2.5 * inverse[:, 0], free, pairs, [[0, 0, 1]] * (n - 1), arms, np.full(n - 1, 0.1), np.full(n - 1, 0.3))
+    assert bodies.spheres() is not None
+    ours, rows = (core.solve(p, "nsgs", 1e-13).impulses for p in (bodies, bodies.delassus()))
+    assert np.allclose(ours, rows, rtol=1e-9, atol=1e-11)
+    assert core.solve(bodies, impulses=ours, tolerance=1e-9).iterations == 0
+
+
+@pytest.mark.parametrize("change", [
+    dict(arms=lambda x: x + 0.1), dict(inverse_inertias=lambda x: x * np.array([1, 1, 1.1])[:, None] * np.eye(3)), dict(bias=lambda x: x - 2),
+    dict(compliance=lambda x: x + 1), dict(inverse_masses=lambda x: x * [1, 1, 1.1])])
+def test_what_is_not_for_sweeps_over_spheres(change):
+    right = space_scenes.scene("spheres", 5, 0.5, 1)
+    fields = vars(right) | {name: change(vars(right)[name]) for name, change in change.items()}
+    assert right.spheres() is not None and core.SpaceBodyProblem(**fields).spheres() is None
+
+
 def test_bodies_and_their_matrix_agree():
     bodies = space_scenes.scene("capsules", 8, 0.3, 2)
     bodies.compliance[:, 0], bodies.compliance[:, 1] = 0.1, 0.2
