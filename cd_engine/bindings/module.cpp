@@ -190,9 +190,8 @@ py::tuple solveSpheres(const py::tuple& arrays, const py::object& impulses, bool
 	cd::Threads team;
 	team.use(threads);
 	settings.threads = &team;
-	using Method = cd::SolverReport(cd::ContactSystem<cd::Space3>&, const cd::SolverSettings&);
-	Method* const method = momentum ? static_cast<Method*>(cd::accelerated) : static_cast<Method*>(cd::nsgs);
-	const py::tuple report = solved(system, method, momentum ? "accelerated" : "nsgs", settings, traced);
+	const py::tuple report
+	    = solved(system, momentum ? cd::accelerated<cd::Space3> : cd::nsgs<cd::Space3>, momentum ? "accelerated" : "nsgs", settings, traced);
 	std::vector<double> p;
 	for (const cd::ContactRow<cd::Space3>& c : system.contacts)
 		p.insert(p.end(), { c.pn, c.px, c.py, c.pz });

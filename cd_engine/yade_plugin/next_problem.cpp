@@ -39,7 +39,7 @@ py::tuple ContactDynamics::nextProblem()
 	}
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Whatever has a memory is a copy here: this engine and the scene do not change.
-	const cd::StepSettings settings = this->settings(now);
+	const cd::StepSettings<cd::Plane> settings = this->settings(now);
 	std::mutex alone;
 	std::vector<int> ids = referenceIds, order = bodyOrder;
 	std::vector<double> overlaps = referenceOverlaps;
@@ -49,7 +49,7 @@ py::tuple ContactDynamics::nextProblem()
 	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
 	if (handover)
 		copy.takeOverlaps();
-	cd::TimeStep next;
+	cd::TimeStep<cd::Plane> next;
 	return bodyArrays(next.assemble(copy.world, settings));
 }
 

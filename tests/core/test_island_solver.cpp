@@ -94,7 +94,7 @@ TEST_CASE("islands are joined by bodies that can move, not by those that cannot"
 		s.bodies[wall].v[0] = 0.1; // whether it can move or has to
 		for (const int32_t disk : { 1, 4 })
 			addContact(s, wall, disk, 0, 0);
-		IslandSolver solve;
+		IslandSolver<Plane> solve;
 		Effort effort;
 		solve(s, nsgs, to(1e-12), effort);
 		CHECK(effort.islands == (wallMoves ? 2 : 3));
@@ -123,13 +123,13 @@ TEST_CASE("stacks of masses far apart are each solved to the tolerance, apart or
 		}
 		return std::sqrt(difference / square);
 	};
-	for (const Solver method : { Solver(nsgs), Solver(accelerated) }) {
+	for (const Solver<Plane> method : { Solver<Plane>(nsgs), Solver<Plane>(accelerated) }) {
 		ContactSystem<Plane> parted = build(), whole = build();
 		// The small stack comes first in the sweeps and last in the error: given no time, it does not get any.
 		for (int i = 10; i < 20; i++)
 			for (ContactSystem<Plane>* s : { &parted, &whole })
 				s->contacts[i].pn = weight * (20 - i);
-		IslandSolver solve;
+		IslandSolver<Plane> solve;
 		Effort effort;
 		const SolverReport report = solve(parted, method, to(1e-4), effort);
 		CHECK(report.status == Status::converged);
@@ -146,7 +146,7 @@ TEST_CASE("stacks of masses far apart are each solved to the tolerance, apart or
 
 TEST_CASE("one island gets the bits of the solver, with lone contacts that carry nothing and bodies that touch nothing as without")
 {
-	for (const Solver method : { Solver(nsgs), Solver(accelerated) })
+	for (const Solver<Plane> method : { Solver<Plane>(nsgs), Solver<Plane>(accelerated) })
 		for (const bool others : { false, true }) {
 			ContactSystem<Plane> direct = heaps(1, 60, 3);
 			if (others) {
@@ -155,7 +155,7 @@ TEST_CASE("one island gets the bits of the solver, with lone contacts that carry
 			}
 			ContactSystem<Plane> parted = direct;
 			const SolverReport expected = method(direct, to(1e-8));
-			IslandSolver solve;
+			IslandSolver<Plane> solve;
 			Effort effort;
 			const SolverReport report = solve(parted, method, to(1e-8), effort);
 			CHECK(effort.islands == 1 + others);
@@ -171,13 +171,13 @@ TEST_CASE("one island gets the bits of the solver, with lone contacts that carry
 // 0.1 N s on 1 kg.
 TEST_CASE("many islands move as the whole moves, by an error no larger")
 {
-	for (const Solver method : { Solver(nsgs), Solver(accelerated) }) {
+	for (const Solver<Plane> method : { Solver<Plane>(nsgs), Solver<Plane>(accelerated) }) {
 		ContactSystem<Plane> whole = heaps(12, 15, 5), parted = whole;
 		addLoneDisks(whole);
 		addLoneDisks(parted);
 		const std::vector<double> free = velocitiesOf(parted);
 		const SolverSettings settings = to(1e-10, 100000);
-		IslandSolver solve;
+		IslandSolver<Plane> solve;
 		Effort effort;
 		const SolverReport report = solve(parted, method, settings, effort);
 		CHECK(effort.islands >= 12);
@@ -196,7 +196,7 @@ TEST_CASE("what is at rest already is left as it is, without a sweep and without
 	addStack(s, 5, 1);
 	addLoneDisks(s);
 	const std::vector<double> free = velocitiesOf(s);
-	IslandSolver solve, fresh;
+	IslandSolver<Plane> solve, fresh;
 	Effort effort;
 	solve(s, nsgs, to(1e-6), effort);
 	CHECK(effort.resting == 0);
@@ -223,7 +223,7 @@ TEST_CASE("what is at rest already is left as it is, without a sweep and without
 TEST_CASE("what could not be solved says so, and what was asked for as a whole is not parted")
 {
 	ContactSystem<Plane> s = heaps(3, 20, 9);
-	IslandSolver solve;
+	IslandSolver<Plane> solve;
 	Effort effort;
 	SolverSettings settings = to(1e-12, 3);
 	ContactSystem<Plane> hasty = s;

@@ -16,7 +16,7 @@ using tests::to;
 
 namespace {
 
-const Solver solvers[] = { newton, automatic };
+const Solver<Plane> solvers[] = { newton, automatic };
 
 double errorOf(const ContactSystem<Plane>& solved, const ContactSystem<Plane>& given) { return residual(solved, tests::velocitiesOf(given)).error(); }
 
@@ -34,7 +34,7 @@ ContactSystem<Plane> diskOnFloor(double mu, double vx, double vy)
 
 TEST_CASE("newton, auto: one disk on a floor in each of its states")
 {
-	for (const Solver solver : solvers) {
+	for (const Solver<Plane> solver : solvers) {
 		// 1e-12: the tolerance asked for.
 		ContactSystem<Plane> s = diskOnFloor(0.3, 1, 0.5); // leaves
 		CHECK(solver(s, to(1e-12)).status == Status::converged);
@@ -123,7 +123,7 @@ TEST_CASE("auto: where Newton's method ends by its limit of operations, plain sw
 TEST_CASE("newton, auto: the same bits each time; the error is never larger than that of sweeps alone")
 {
 	for (const ContactSystem<Plane>& given : { lattice(8, 0.5, 1e6), lattice(8, 0.8, 1e6), lattice(8, 0.5, 1e6, true) }) {
-		for (const Solver solver : solvers) {
+		for (const Solver<Plane> solver : solvers) {
 			ContactSystem<Plane> a = given, b = given;
 			const SolverReport ra = solver(a, to(1e-9, 3000)), rb = solver(b, to(1e-9, 3000));
 			CHECK(ra.factorizations > 0);
@@ -179,7 +179,7 @@ TEST_CASE("auto: what sweeps solve is theirs to the last bit; fixed sweeps are p
 	SolverSettings fixed;
 	fixed.fixedIterations = 7;
 	ContactSystem<Plane> d = c;
-	for (const Solver solver : solvers) {
+	for (const Solver<Plane> solver : solvers) {
 		c = d;
 		CHECK(solver(c, fixed).status == Status::fixed_iterations);
 		CHECK(solver(c, fixed).iterations == 7);
@@ -190,7 +190,7 @@ TEST_CASE("newton, auto: out of iterations, the best iterate is kept, with its v
 {
 	const ContactSystem<Plane> given = lattice(10, 0.5, 1e6);
 	for (const int most : { 2, 50, 505, 520, 600 })
-		for (const Solver solver : solvers) {
+		for (const Solver<Plane> solver : solvers) {
 			ContactSystem<Plane> a = given, s = given;
 			CAPTURE(most);
 			const SolverReport sweeps = accelerated(a, to(1e-12, most));
@@ -216,7 +216,7 @@ TEST_CASE("newton, auto: out of iterations, the best iterate is kept, with its v
 TEST_CASE("newton, auto: nothing to solve, nothing solvable, numbers that are none")
 {
 	for (const std::string name : { "newton", "auto" }) {
-		const Solver solver = name == "newton" ? solvers[0] : solvers[1];
+		const Solver<Plane> solver = name == "newton" ? solvers[0] : solvers[1];
 		ContactSystem<Plane> none;
 		CHECK(solver(none, to(1e-8)).status == Status::converged);
 		none = lattice(3, 0.3); // all open

@@ -223,8 +223,8 @@ TEST_CASE("steps are the same bits by every number of threads, with restitution 
 			for (const int count : counts) {
 				CAPTURE(count);
 				World w = tests::flow(80, 80);
-				TimeStep step;
-				StepSettings settings;
+				TimeStep<Plane> step;
+				StepSettings<Plane> settings;
 				settings.dt = 2e-3;
 				settings.restitution = restitution;
 				settings.reduce = reduce;

@@ -28,14 +28,14 @@ namespace {
 		for (std::size_t i = 0; i < moved.size(); i++)
 			moved[i] = { motionOf<Space>(&freeVelocity[Space::freedoms * i]), system.bodies[i].pushed };
 		for (const ContactRow<Space>& c : system.contacts) {
-			const BodyVelocity<Space> &A = system.bodies[c.a], &B = system.bodies[c.b];
+			const BodyVelocity<Space>&A = system.bodies[c.a], &B = system.bodies[c.b];
 			const bool passes = c.wnn > 0; // else nothing can move along the normal
-			Moved<Space> &a = moved[c.a], &b = moved[c.b];
+			Moved<Space>&a = moved[c.a], &b = moved[c.b];
 			const ImpulseOf<Space> p = impulseOf(c);
 			const MotionOf<Space> wa = motionOf<Space>(A.w), wb = motionOf<Space>(B.w);
 			push(actionOf(c, p), a.v, wa, b.v, wb);
-			a.s += actingOnA(wa, c, p) + (passes ? A.twisted * std::abs(c.at) : 0);
-			b.s += actingOnB(wb, c, p) + (passes ? B.twisted * std::abs(c.bt) : 0);
+			a.s += actingOnA(wa, c, p) + (passes ? A.twisted * c.armA() : 0);
+			b.s += actingOnB(wb, c, p) + (passes ? B.twisted * c.armB() : 0);
 		}
 	}
 
@@ -193,7 +193,9 @@ Residual residual(const DelassusSystem& system)
 		const Components<double> p = { system.p[2 * i], system.p[2 * i + 1] };
 		const double compliance = system.blocks[system.diagonal[i]].nn;
 		// u is a sum and is known only to the round-off of its terms.
-		sum.addContact(missOf<double>(p, { un, ut }, { system.mu[i] }, compliance, size, 0), p, compliance);
+		sum.addContact(
+		    missOf<double>(squaredMiss(p, Components<double> { un, ut }, Friction<double> { system.mu[i] }, compliance), compliance, size, 0),
+		    p, compliance);
 	}
 	Residual r = sum.of();
 	r.bodies = 0;

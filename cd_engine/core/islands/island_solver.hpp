@@ -29,16 +29,22 @@ struct Effort {
 };
 
 // Solves all contacts at once.
-SolverReport solveWhole(ContactSystem<Plane>&, Solver, const SolverSettings&, Effort&);
+template <class Space> SolverReport solveWhole(ContactSystem<Space>&, Solver<Space>, const SolverSettings&, Effort&);
 
 // Solves island by island. A system of one island gets the same bits as from solveWhole, unless the step needs no sweep. Settings with
 // fixedIterations or a random order refer to the whole system; it is then solved as a whole. iterations: the most made on any island.
-class IslandSolver {
+template <class Space> class IslandSolver {
+	using Body = BodyOf<Space>;
+	using ContactSystem = cd::ContactSystem<Space>;
+	using Sleepers = cd::Sleepers<Space>;
+	using Solver = cd::Solver<Space>;
+	using Stillness = cd::Stillness<Space>;
+
     public:
-	SolverReport operator()(ContactSystem<Plane>&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
+	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
 
 	// Puts the islands to sleep that the last call has found asleep.
-	void putToSleep(Sleepers& sleepers, const World& world) const { sleepers.add(world, found, partition.name); }
+	void putToSleep(Sleepers& sleepers, const WorldOf<Space>& world) const { sleepers.add(world, found, partition.name); }
 
     private:
 	enum class State : uint8_t { open, solved, unsolvable, asleep }; // unsolvable: according to its method
@@ -48,22 +54,22 @@ class IslandSolver {
 		bool calm = false; // its bodies have passed the present test of rest
 	};
 
-	void findIslands(ContactSystem<Plane>&, Threads*, Effort&);
-	void solveLoneContacts(ContactSystem<Plane>&, double tolerance);
-	bool isNearlyOneIsland(const ContactSystem<Plane>&) const;
-	SolverReport solveInPlace(ContactSystem<Plane>&, Solver, const SolverSettings&, Rest*);
-	bool withinItsOwn(const ContactSystem<Plane>&, double error, double tolerance) const;
-	SolverReport solveInParts(ContactSystem<Plane>&, Solver, const SolverSettings&);
+	void findIslands(ContactSystem&, Threads*, Effort&);
+	void solveLoneContacts(ContactSystem&, double tolerance);
+	bool isNearlyOneIsland(const ContactSystem&) const;
+	SolverReport solveInPlace(ContactSystem&, Solver, const SolverSettings&, Rest*);
+	bool withinItsOwn(const ContactSystem&, double error, double tolerance) const;
+	SolverReport solveInParts(ContactSystem&, Solver, const SolverSettings&);
 	int markSolved(double tolerance);
-	SolverReport conclude(ContactSystem<Plane>&, SolverReport, double tolerance, const Stillness*);
+	SolverReport conclude(ContactSystem&, SolverReport, double tolerance, const Stillness*);
 
 	// island_sleep.cpp
 	template <class Condition> void excite(const Condition& moves);
-	void exciteFast(const ContactSystem<Plane>&, const int32_t* places, double tolerance, double share);
+	void exciteFast(const ContactSystem&, const int32_t* places, double tolerance, double share);
 	void findCalm(double tolerance, double share);
-	void findAsleep(ContactSystem<Plane>&, const std::vector<Body>& before, double tolerance);
-	void tryRest(ContactSystem<Plane>&, const Stillness&, const SolverSettings&, Effort&);
-	void stop(ContactSystem<Plane>&, const Sleepers& on, Effort&);
+	void findAsleep(ContactSystem&, const std::vector<Body>& before, double tolerance);
+	void tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
+	void stop(ContactSystem&, const Sleepers& on, Effort&);
 
 	Partition partition; // of the system
 	std::vector<Island> islands; // of the system
@@ -71,7 +77,7 @@ class IslandSolver {
 	std::vector<ResidualSum> all; // scratch: errors of the islands, those that sleep on included
 	ResidualSum lone; // errors of all islands of one contact
 	std::vector<double> freeVelocity; // velocities without impulses
-	IslandPart part; // of the system
+	IslandPart<Space> part; // of the system
 	std::size_t touching = 0; // movable bodies with a contact
 	std::vector<SleepingIsland> found; // asleep, sorted by name
 	std::vector<double> own; // of each body: W_nn |p|^2 summed over its own contacts [J]

@@ -88,6 +88,8 @@ template <> struct alignas(64) Group<Plane> {
 		for (double* const of : { nx, ny, at, bt, bias, mu, pn, pt, inverseWnn, inverseWtt })
 			of[lane] = 0;
 	}
+	double armA(std::size_t lane) const { return std::abs(at[lane]); }
+	double armB(std::size_t lane) const { return std::abs(bt[lane]); }
 	Components<double> impulse(std::size_t lane) const { return { pn[lane], pt[lane] }; }
 	void prefetchImpulses() const
 	{

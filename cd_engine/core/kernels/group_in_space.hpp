@@ -80,6 +80,8 @@ template <> struct alignas(64) Group<Space3> {
 			of[lane] = 0;
 	}
 	SpatialComponents<double> impulse(std::size_t lane) const { return { pn[lane], px[lane], py[lane], pz[lane] }; }
+	double armA(std::size_t lane) const { return at[lane]; }
+	double armB(std::size_t lane) const { return bt[lane]; }
 	void prefetchImpulses() const
 	{
 		for (const double* of : { pn, px, py, pz })

@@ -31,7 +31,7 @@ struct alignas(64) PairLanes {
 	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
 	Ends ends[lanes];
 	int32_t a[lanes], b[lanes]; // the same
-	int32_t index[lanes]; // in World::pairs
+	int32_t index[lanes]; // in World::carried
 };
 // What impulses on eight contacts between disks do.
 struct alignas(64) PairEffects {

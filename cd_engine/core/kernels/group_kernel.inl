@@ -237,7 +237,7 @@ static void miss(const cd::Group<Space>* groups, std::size_t count, const cd::Pa
 			auto u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
 			u.n += bias;
 			const Miss<Vector> miss
-			    = missOf<Vector>(p, u, frictionOf(g, lane), wnn, sizeOf(c, bias, motionOf(A), motionOf(B)), A.w + B.w);
+			    = missOf<Vector>(squaredMiss(p, u, frictionOf(g, lane), wnn), wnn, sizeOf(c, bias, motionOf(A), motionOf(B)), A.w + B.w);
 			const auto of = [lane](double* sum) -> Vector& { return *reinterpret_cast<Vector*>(sum + lane); };
 			struct {
 				Vector &difference, &square, &differenceEnergy, &squareEnergy, &missed, &worst, &mostMissed;

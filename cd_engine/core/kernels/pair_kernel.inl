@@ -119,8 +119,8 @@ static unsigned assembleGroup(
 }
 
 // The formulas of effectOf() in account.cpp, for arms an = bn = 0.
-static void effects(
-    const Place* places, const Mean* means, const Plane::Impulse* p, std::size_t count, const PairLanes* pairs, PairEffects* effects, std::size_t groups)
+static void effects(const Place* places, const Mean* means, const Plane::Impulse* p, std::size_t count, const PairLanes* pairs, PairEffects* effects,
+    std::size_t groups)
 {
 	for (std::size_t i = 0; i < groups * PairLanes::lanes; i += LANES) {
 		const PairLanes& pair = pairs[i / PairLanes::lanes];

@@ -39,8 +39,12 @@ template <> struct ContactRow<Plane> {
 	double wnn = 0, wnt = 0, wtt = 0; // own block of W [1/kg]
 	double pn = 0, pt = 0; // impulse on `b` [N s]: first guess on entry, solution on exit
 
-	// Whether the normal and tangential directions are uncoupled: true for disks, and for boundaries whose free directions are along n or t.
-	bool diagonal() const { return wnt == 0 && an == 0 && bn == 0; }
+	// Whether a group can hold it, if its bodies are uniform. The normal and tangential directions must be uncoupled, as they are for disks, and
+	// for boundaries whose free directions are along n or t. turnsA, turnsB: whether the bodies turn.
+	bool groupable(bool turnsA, bool turnsB) const
+	{
+		return wnn > 0 && wtt > 0 && wnt == 0 && an == 0 && bn == 0 && (turnsA || at == 0) && (turnsB || bt == 0);
+	}
 
 	// Whether neither body can move along the normal: the compliance `along` the normal is only round-off of the sum of `all` compliances.
 	// Example: the normal of a body blocked along x, computed as (1, cos(pi/2)), has 6e-17 along y: an effective mass of 1e32 times its own.
@@ -55,6 +59,9 @@ template <> struct ContactRow<Plane> {
 	{
 		return nx * nx * (a[0] + b[0]) + ny * ny * (a[1] + b[1]) + an * an * a[2] + bn * bn * b[2];
 	}
+	// Of the impulse across the normal [m].
+	double armA() const { return std::abs(at); }
+	double armB() const { return std::abs(bt); }
 	void scaleArms(double a, double b)
 	{
 		an *= a;

@@ -30,6 +30,8 @@ template <> struct ContactRow<Space3> {
 		at *= a;
 		bt *= b;
 	}
+	double armA() const { return at; }
+	double armB() const { return bt; }
 	bool consistent() const { return std::abs(nx * nx + ny * ny + nz * nz - 1) < 1e-6 && !(mu < 0) && at >= 0 && bt >= 0; }
 
 	// wtt is the same in all directions: boundaries that can move do so along their normals or alike in all directions.

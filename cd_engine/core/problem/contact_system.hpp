@@ -32,9 +32,8 @@ template <class Space> struct ContactSystem {
 	bool consistent() const
 	{
 		const auto body = [this](int32_t i) { return i >= 0 && static_cast<std::size_t>(i) < bodies.size(); };
-		return (places.empty() || places.size() == bodies.size()) && std::all_of(contacts.begin(), contacts.end(), [&](const auto& c) {
-			return body(c.a) && body(c.b) && c.consistent();
-		});
+		return (places.empty() || places.size() == bodies.size())
+		    && std::all_of(contacts.begin(), contacts.end(), [&](const auto& c) { return body(c.a) && body(c.b) && c.consistent(); });
 	}
 
 	void assembleBlocks()

@@ -17,6 +17,8 @@ inline void setImpulse(ContactRow<Plane>& c, const Components<double>& p)
 	c.pn = p.n;
 	c.pt = p.t;
 }
+inline bool isZero(const Components<double>& p) { return p.n == 0 && p.t == 0; }
+inline double length(const Components<double>& p) { return std::hypot(p.n, p.t); }
 inline Friction<double> frictionOf(const ContactRow<Plane>& c) { return { c.mu }; }
 inline Motion<double&> velocityOf(BodyVelocity<Plane>& b) { return { b.v[0], b.v[1], b.v[2] }; }
 // From an array of the freedoms of a body.
@@ -33,8 +35,7 @@ template <class Space> ImpulseOf<Space> relativeVelocity(const ContactRow<Space>
 }
 
 // Adds an impulse on `b` and its reaction on `a`.
-template <class Space>
-void applyImpulse(const ContactRow<Space>& c, BodyVelocity<Space>& A, BodyVelocity<Space>& B, const ImpulseOf<Space>& p)
+template <class Space> void applyImpulse(const ContactRow<Space>& c, BodyVelocity<Space>& A, BodyVelocity<Space>& B, const ImpulseOf<Space>& p)
 {
 	push(actionOf(c, p), velocityOf(A), motionOf<Space>(A.w), velocityOf(B), motionOf<Space>(B.w));
 }
@@ -45,7 +46,7 @@ Miss<double> missOf(const ContactRow<Space>& c, double compliance, const MotionO
 {
 	ImpulseOf<Space> u = relativeVelocity<false>(c, a, b);
 	u.n += c.bias;
-	return missOf<double>(impulseOf(c), u, frictionOf(c), compliance, sizeOf(c, c.bias, a, b), acts);
+	return missOf<double>(squaredMiss(impulseOf(c), u, frictionOf(c), compliance), compliance, sizeOf(c, c.bias, a, b), acts);
 }
 
 // |p - P_K(...)|^2; un, ut: relative velocity, with the bias.
@@ -97,5 +98,7 @@ inline Components<double> solveContact(const ContactRow<Plane>& c, const Compone
 		return cut(Components<double> { p.n - u.n / c.wnn, p.t - u.t / c.wtt }, frictionOf(c));
 	return solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, u.n - (c.wnn * p.n + c.wnt * p.t), u.t - (c.wnt * p.n + c.wtt * p.t));
 }
+// The same where it has none. -0: 0 - 0 would lose the sign of a zero.
+inline Components<double> solveContact(const ContactRow<Plane>& c, const Components<double>& u) { return solveContact(c, u, { -0., -0. }); }
 
 } // namespace cd

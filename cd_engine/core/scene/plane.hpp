@@ -4,6 +4,9 @@
 
 namespace cd {
 
+struct Body;
+struct Carried;
+struct Shape;
 template <class N> struct Components; // law.inl
 template <class N> struct Motion;
 
@@ -12,9 +15,14 @@ struct Plane {
 	static constexpr int components = 2; // of a position or a force
 	using Impulse = Components<double>; // or a relative velocity
 	using Motion = cd::Motion<double>; // velocity and angular velocity of a body, or the inverses of its masses
+	using Body = cd::Body;
+	using Carried = cd::Carried;
+	using Shape = cd::Shape;
 };
 
 template <class Space> using ImpulseOf = typename Space::Impulse;
 template <class Space> using MotionOf = typename Space::Motion;
+template <class Space> using BodyOf = typename Space::Body;
+template <class Space> using ShapeOf = typename Space::Shape;
 
 } // namespace cd

@@ -5,6 +5,7 @@
 // b . y = -|y|^2 < 0. The minimum is found by Newton's method: each step solves the least squares problem of the contacts that now close by
 // conjugate gradients (CGLS).
 #include "solvability/feasibility.hpp"
+#include "solvability/resolution.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -285,29 +286,35 @@ Feasibility feasibility(const ConeSystem& s, double least, int products)
 	return search->search(least, products);
 }
 
-bool surelySolvable(const ContactSystem<Plane>& s, Threads* threads)
+template <class Space> bool surelySolvable(const ContactSystem<Space>& s, Threads* threads)
 {
 	return !anyOf(threads, s.bodies.size(), [&](std::size_t i) { return isDriven(s.bodies[i]); })
 	    && (s.contacts.postponed() // they push nothing
 		|| !anyOf(threads, s.contacts.size(), [&](std::size_t i) { return !(s.contacts[i].bias >= 0); }));
 }
+template bool surelySolvable(const ContactSystem<Plane>&, Threads*);
 
-bool staysOpen(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity, double least)
+double closingOfBoundaries(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
 {
 	const Borrowed<std::vector<double>, LeastSquares> borrowed(s.memory);
 	std::vector<double>& v = *borrowed;
-	const auto open = [&](int32_t along) {
+	const auto closing = [&](int32_t along) {
 		moveAlong(s, along, freeVelocity, v);
-		return std::all_of(s.contacts.begin(), s.contacts.end(),
-		    [&](const ContactRow<Plane>& c) { return !(c.wnn > 0) || normalVelocity(c, v) + c.bias >= -least; });
+		double fastest = 0;
+		for (const ContactRow<Plane>& c : s.contacts)
+			if (c.wnn > 0) {
+				const double size = sizeOf<double>(c, c.bias, motionOf<Plane>(&v[3 * c.a]), motionOf<Plane>(&v[3 * c.b]));
+				fastest = std::max(fastest, -(normalVelocity(c, v) + c.bias) - roundOff * size);
+			}
+		return fastest;
 	};
-	if (open(-1))
-		return true;
 	for (const ContactRow<Plane>& c : s.contacts)
 		for (const int32_t i : { c.a, c.b })
-			if (c.wnn > 0 && s.bodies[i].w[0] == 0 && s.bodies[i].w[1] == 0)
-				return (freeVelocity[3 * i + 2] == 0 || !s.places.empty()) && open(i);
-	return false;
+			if (c.wnn > 0 && s.bodies[i].w[0] == 0 && s.bodies[i].w[1] == 0 && (freeVelocity[3 * i + 2] == 0 || !s.places.empty())) {
+				const double alongside = closing(i);
+				return alongside > 0 ? std::min(alongside, closing(-1)) : 0;
+			}
+	return closing(-1);
 }
 
 } // namespace cd

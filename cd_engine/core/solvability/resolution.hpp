@@ -9,9 +9,12 @@
 #include "problem/problem.hpp"
 #include "base/base.hpp"
 
+#include <limits>
 #include <vector>
 
 namespace cd {
+
+constexpr double roundOff = 16 * std::numeric_limits<double>::epsilon(); // of velocities, relative to the magnitudes of their terms
 
 struct Resolution {
 	// Largest |min(u_n, W_nn p_n)| [m/s]: the speed of a contact that closes, or that parts although it carries something (Signorini's

@@ -149,16 +149,13 @@ namespace {
 
 } // namespace
 
-SolverReport accelerated(ContactSystem<Plane>& system, const SolverSettings& settings)
+template <class Space> SolverReport accelerated(ContactSystem<Space>& system, const SolverSettings& settings)
 {
-	return iterate<Sweep<Plane>, Momentum<Sweep<Plane>>>(system, settings);
+	return iterate<Sweep<Space>, Momentum<Sweep<Space>>>(system, settings);
 }
-
+template SolverReport accelerated(ContactSystem<Plane>&, const SolverSettings&);
+template SolverReport accelerated(ContactSystem<Space3>&, const SolverSettings&);
 SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings) { return compared<DelassusSweep>(system, settings); }
-SolverReport accelerated(ContactSystem<Space3>& system, const SolverSettings& settings)
-{
-	return iterate<Sweep<Space3>, Momentum<Sweep<Space3>>>(system, settings);
-}
 SolverReport accelerated(ConeSystem& system, const SolverSettings& settings) { return compared<ConeSweep>(system, settings); }
 
 } // namespace cd

@@ -6,9 +6,14 @@
 
 namespace cd {
 
-SolverReport nsgs(ContactSystem<Plane>& system, const SolverSettings& settings) { return iterate<Sweep<Plane>>(system, settings); }
+template <class Space> SolverReport nsgs(ContactSystem<Space>& system, const SolverSettings& settings)
+{
+	return iterate<Sweep<Space>>(system, settings);
+}
+template SolverReport nsgs(ContactSystem<Plane>&, const SolverSettings&);
+template SolverReport nsgs(ContactSystem<Space3>&, const SolverSettings&); // nobody tests whether these resolve the velocities
+
 SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
-SolverReport nsgs(ContactSystem<Space3>& system, const SolverSettings& settings) { return iterate<Sweep<Space3>>(system, settings); }
 SolverReport nsgs(ConeSystem& system, const SolverSettings& settings) { return iterate<ConeSweep>(system, settings); }
 
 } // namespace cd

@@ -9,7 +9,8 @@
 namespace cd {
 namespace {
 
-	// How fast contacts may close, relative to the fastest closing without impulses: in tolerances, and at most.
+	// How fast contacts may close, relative to the fastest closing without impulses, or where loaded contacts close rather than part, to the
+	// closing of the boundaries: in tolerances, and at most.
 	constexpr double mostTolerances = 10, mostClosing = 0.1;
 	constexpr double refinement = 0.1; // factor on the tolerance where they close faster
 	constexpr double finest = 1e-15; // smallest tolerance; below is the round-off of a sum
@@ -19,13 +20,21 @@ namespace {
 	// Products with J that a search for velocities may take. One costs about four sweeps.
 	int productsAfter(int sweeps) { return 200 + sweeps / 10; }
 
-	// Of a matrix problem, in the plane or in space.
-	template <class Matrix> bool staysOpen(const Matrix&, const std::vector<double>&, double) { return false; }
+	// Of a matrix problem, in the plane or in space. It does not tell boundaries from bodies.
+	template <class Matrix> double closingOfBoundaries(const Matrix&, const std::vector<double>&)
+	{
+		return std::numeric_limits<double>::infinity();
+	}
 	template <class Matrix> Resolution resolution(const Matrix& s, const std::vector<double>&) { return resolution(s); }
 	template <class Matrix> Feasibility feasibility(const Matrix& s, const std::vector<double>&, double least, int products)
 	{
 		return feasibility(s, least, products);
 	}
+
+	std::size_t contactsIn(const ContactSystem<Plane>& s) { return s.contacts.size(); }
+	template <class Matrix> std::size_t contactsIn(const Matrix& s) { return s.contacts(); }
+	// Products of a search where the velocities are resolved already: a small part of a step of a large problem.
+	template <class System> int mostProducts(const System& s) { return 20 + 20000 / (1 + static_cast<int>(contactsIn(s))); }
 
 	void clearImpulses(ContactSystem<Plane>& s)
 	{
@@ -107,6 +116,7 @@ namespace {
 		bool possible = false; // whether velocities are known at which no contact closes
 		int inVain = 0; // refinements in a row
 		int32_t contact = -1; // at the last look
+		double boundaries = -1; // how fast they close in [m/s], once it is known
 		Resolution before;
 		for (bool first = true;; first = false) {
 			const Resolution now = resolution(system, start.freeVelocity());
@@ -115,22 +125,29 @@ namespace {
 				report.contact = now.contact;
 				return;
 			}
-			const double least = std::min(mostTolerances * asked, mostClosing) * now.free;
 			const bool solved = report.error <= asked;
 			// Whether errors within the tolerance, or round-off, may be as large as the velocities that the impulses must stop.
 			const bool large = now.growth * std::max(settings.tolerance, 1 / mostGrowth) > 1 && exceedsGuess(system, start);
+			const double closing = std::min(mostTolerances * asked, mostClosing), least = closing * now.free;
 			const bool bounded = first && solved && refinement * refinement * now.miss <= least;
-			bool accepted
-			    = !large && (now.miss <= least || report.error <= finest || (bounded && staysOpen(system, start.freeVelocity(), least)));
-			if (!accepted && !possible) {
-				const Feasibility found = feasibility(system, start.freeVelocity(), least, productsAfter(report.iterations));
+			bool accepted = now.miss <= least || report.error <= finest;
+			if (boundaries < 0 && (bounded || accepted) && (now.yields || !accepted))
+				boundaries = closingOfBoundaries(system, start.freeVelocity());
+			accepted = !large && (accepted || (bounded && boundaries <= least));
+			// Bodies that fall or fly must not hide that boundaries slowly close in on others.
+			const bool hidden = accepted && now.yields && boundaries > 0;
+			if ((!accepted || hidden) && !possible) {
+				const double slowest = hidden ? closing * std::min(boundaries, now.free) : least;
+				const int search = productsAfter(report.iterations),
+					  products = hidden ? std::min(search, mostProducts(system)) : search;
+				const Feasibility found = feasibility(system, start.freeVelocity(), slowest, products);
 				if (found.contact >= 0) {
 					report.status = Status::no_solution;
 					report.contact = found.contact;
 					return;
 				}
 				possible = found.possible;
-				accepted = !large && bounded && possible && !now.yields && refinement * now.miss <= least;
+				accepted = hidden || (!large && bounded && possible && !now.yields && refinement * now.miss <= least);
 			}
 			if (accepted) {
 				report.contact = contact;
@@ -176,7 +193,7 @@ namespace {
 
 	struct Entry {
 		const char* name = nullptr;
-		Solver solver = nullptr;
+		Solver<Plane> solver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
 		ConeSolver coneSolver = nullptr;
 	};
@@ -196,7 +213,7 @@ namespace {
 
 } // namespace
 
-Solver findSolver(const std::string& method) { return find(method).solver; }
+Solver<Plane> findSolver(const std::string& method) { return find(method).solver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
 ConeSolver findConeSolver(const std::string& method) { return find(method).coneSolver; }
 

@@ -22,7 +22,7 @@ namespace {
 	};
 
 	// Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
-	void release(const Pair& pair, Carried& was, Sleepers& sleepers)
+	void release(const Pair& pair, Carried& was, Sleepers<Plane>& sleepers)
 	{
 		if (!was.any())
 			return;
@@ -52,7 +52,7 @@ namespace {
 		e.work[lane] = dot(p, u);
 	}
 
-	void add(Account::Impulse& to, const Account::Impulse& of)
+	void add(Account<Plane>::Impulse& to, const Account<Plane>::Impulse& of)
 	{
 		for (int k = 0; k < 3; k++)
 			to[k] += of[k];
@@ -67,19 +67,19 @@ namespace {
 		// A disk takes the impulse on its rim, so only the tangential part turns it. The arm of a boundary starts at its centre.
 		const double arm = b.radius - 0.5 * overlap;
 		const double turn = isBoundary(a) ? (b.x - arm * n.x - a.x) * y - (b.y - arm * n.y - a.y) * x : (a.radius - 0.5 * overlap) * pt;
-		give(pair.a, Account::Impulse { -x, -y, -turn });
-		give(pair.b, Account::Impulse { x, y, -arm * pt });
+		give(pair.a, Account<Plane>::Impulse { -x, -y, -turn });
+		give(pair.b, Account<Plane>::Impulse { x, y, -arm * pt });
 	}
 
 } // namespace
 
-void Account::begin()
+void Account<Plane>::begin()
 {
 	if (!std::exchange(known, true))
 		sums.clear();
 }
 
-void Account::clear(const Sleepers& sleepers)
+void Account<Plane>::clear(const Sleepers<Plane>& sleepers)
 {
 	if (sleepers.none())
 		return sums.clear();
@@ -88,8 +88,8 @@ void Account::clear(const Sleepers& sleepers)
 			sums[i] = { 0, 0, 0 };
 }
 
-void Account::book(World& world, const StepView& step, const ContactFinder& finder, const ProblemBuilder& builder, const ContactRows<Plane>& contacts,
-    Sleepers& sleepers, StepReport& report)
+void Account<Plane>::book(World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder, const ProblemBuilder<Plane>& builder,
+    const ContactRows<Plane>& contacts, Sleepers<Plane>& sleepers, StepReport& report)
 {
 	spared = contacts.postponed();
 	assert(contacts.size() == finder.pairs().size() && (!spared || (sleepers.none() && contacts.solvedBeside())));
@@ -168,8 +168,8 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 }
 
 // Sums the impulses, and adds what sleeping islands contribute: those that this step has examined and the others.
-void Account::bookSleeping(
-    const World& world, const StepView& step, const ContactFinder& finder, const ContactRows<Plane>& contacts, Sleepers& sleepers, StepReport& report)
+void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder,
+    const ContactRows<Plane>& contacts, Sleepers<Plane>& sleepers, StepReport& report)
 {
 	sums.resize(world.bodies.size());
 	sleepers.powerless.clear();
@@ -205,12 +205,12 @@ void Account::bookSleeping(
 		report.slidingContacts += island.sliding;
 		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
 	}
-	for (const BoundaryImpulse& of : sleepers.boundaryImpulses())
+	for (const auto& of : sleepers.boundaryImpulses())
 		add(sums[of.body], of.impulse);
 }
 
-const std::vector<Account::Impulse>& Account::impulses(
-    const World& world, const ContactFinder& finder, const BodyMotion& motion, const ContactRows<Plane>& contacts)
+const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(
+    const World& world, const ContactFinder<Plane>& finder, const BodyMotion<Plane>& motion, const ContactRows<Plane>& contacts)
 {
 	sums.resize(world.bodies.size());
 	if (std::exchange(known, true))

@@ -10,7 +10,9 @@ namespace cd {
 // The smallest radius of the disks [m]; infinite if there is no disk.
 double smallestRadius(const World&);
 
-class BodyMotion {
+template <class Space> class BodyMotion;
+
+template <> class BodyMotion<Plane> {
     public:
 	struct Start {
 		bool turns = false; // a boundary turns

@@ -12,7 +12,7 @@ namespace {
 	// and back must not be cut, or it would be written anew step by step.
 	constexpr double onCone = 1 + 1e-9;
 
-	RowSettings rowSettings(const StepSettings& s)
+	RowSettings rowSettings(const StepSettings<Plane>& s)
 	{
 		return { s.dt, s.gapCorrection, s.allowedOverlap, -std::max(pushedOut, s.allowedOverlap), onCone };
 	}
@@ -21,7 +21,7 @@ namespace {
 
 // The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the
 // tolerance becomes the step's solution.
-std::array<double, 2> ProblemBuilder::guess(const StepView& step, std::size_t pair) const
+std::array<double, 2> ProblemBuilder<Plane>::guess(const StepView<Plane>& step, std::size_t pair) const
 {
 	if (!step.settings.warmStart)
 		return { 0, 0 };
@@ -30,7 +30,8 @@ std::array<double, 2> ProblemBuilder::guess(const StepView& step, std::size_t pa
 }
 
 // The row of any pair. turned: the change of its gap by the rotation of its boundary.
-ContactRow<Plane> ProblemBuilder::makeRow(const StepView& step, const ContactFinder& finder, std::size_t index, double& turned) const
+ContactRow<Plane> ProblemBuilder<Plane>::makeRow(
+    const StepView<Plane>& step, const ContactFinder<Plane>& finder, std::size_t index, double& turned) const
 {
 	const Pair& pair = step.world.pairs[index];
 	const Touch touch = step.locate(pair);
@@ -56,7 +57,8 @@ ContactRow<Plane> ProblemBuilder::makeRow(const StepView& step, const ContactFin
 	return c;
 }
 
-void ProblemBuilder::demandRebound(const StepView& step, const ContactFinder& finder, std::size_t contact, ContactRow<Plane>& c, double turned)
+void ProblemBuilder<Plane>::demandRebound(
+    const StepView<Plane>& step, const ContactFinder<Plane>& finder, std::size_t contact, ContactRow<Plane>& c, double turned)
 {
 	const Body &a = step.world.bodies[c.a], &b = step.world.bodies[c.b];
 	const double gap = finder.gap(step.world, finder.pairs()[contact]);
@@ -65,11 +67,12 @@ void ProblemBuilder::demandRebound(const StepView& step, const ContactFinder& fi
 	const double rebound = hit || parts ? step.settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
 	rebounds.set(contact, c.bias, rebound);
 	if (hit || parts)
-		c.bias = Rebounds::bias(c.bias, rebound);
+		c.bias = Rebounds<Plane>::bias(c.bias, rebound);
 }
 
 // Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.
-void ProblemBuilder::fillRows(const StepView& step, const ContactFinder& finder, ContactRow<Plane>* rows, std::size_t from, std::size_t to)
+void ProblemBuilder<Plane>::fillRows(
+    const StepView<Plane>& step, const ContactFinder<Plane>& finder, ContactRow<Plane>* rows, std::size_t from, std::size_t to)
 {
 	const std::vector<int32_t>& pairOf = finder.pairs();
 	for (; from < to; from += batch) {
@@ -92,12 +95,13 @@ void ProblemBuilder::fillRows(const StepView& step, const ContactFinder& finder,
 	}
 }
 
-void ProblemBuilder::fillAll(ContactRow<Plane>* rows, std::size_t count)
+void ProblemBuilder<Plane>::fillAll(ContactRow<Plane>* rows, std::size_t count)
 {
 	forRanges(&step->threads, count, [&](std::size_t from, std::size_t to) { fillRows(*step, *finder, rows, from, to); });
 }
 
-void ProblemBuilder::build(const StepView& now, const ContactFinder& found, ContactSystem<Plane>& system, bool same, bool postpones)
+void ProblemBuilder<Plane>::build(
+    const StepView<Plane>& now, const ContactFinder<Plane>& found, ContactSystem<Plane>& system, bool same, bool postpones)
 {
 	assert(system.bodies.size() == now.world.bodies.size() && now.world.carried.size() == now.world.pairs.size());
 	const std::size_t count = found.pairs().size();
@@ -114,7 +118,7 @@ void ProblemBuilder::build(const StepView& now, const ContactFinder& found, Cont
 	numbered = false;
 }
 
-void ProblemBuilder::append(const StepView& now, const ContactFinder& found, ContactSystem<Plane>& system)
+void ProblemBuilder<Plane>::append(const StepView<Plane>& now, const ContactFinder<Plane>& found, ContactSystem<Plane>& system)
 {
 	assert(now.settings.restitution == 0);
 	system.contacts.make();
@@ -132,7 +136,7 @@ void ProblemBuilder::append(const StepView& now, const ContactFinder& found, Con
 	}
 }
 
-void ProblemBuilder::guessAgain(const StepView& now, const ContactFinder& found, ContactSystem<Plane>& system, bool warm) const
+void ProblemBuilder<Plane>::guessAgain(const StepView<Plane>& now, const ContactFinder<Plane>& found, ContactSystem<Plane>& system, bool warm) const
 {
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		const auto [pn, pt] = warm && i < found.foundFirst() ? guess(now, found.pairs()[i]) : std::array<double, 2> { 0, 0 };
@@ -141,7 +145,7 @@ void ProblemBuilder::guessAgain(const StepView& now, const ContactFinder& found,
 	}
 }
 
-bool ProblemBuilder::lowerRebounds(const StepView& now, ContactSystem<Plane>& system, const SolverReport& report, bool last)
+bool ProblemBuilder<Plane>::lowerRebounds(const StepView<Plane>& now, ContactSystem<Plane>& system, const SolverReport& report, bool last)
 {
 	if (!rebounds.any())
 		return false;
@@ -155,7 +159,7 @@ bool ProblemBuilder::lowerRebounds(const StepView& now, ContactSystem<Plane>& sy
 
 // The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether none of them has a negative bias and all
 // can be solved, as is so of all others.
-bool ProblemBuilder::makeSpecials()
+bool ProblemBuilder<Plane>::makeSpecials()
 {
 	if (!numbered) {
 		specials.clear();
@@ -189,7 +193,7 @@ bool ProblemBuilder::makeSpecials()
 	return true;
 }
 
-void ProblemBuilder::makeRows(std::vector<ContactRow<Plane>>& all)
+void ProblemBuilder<Plane>::makeRows(std::vector<ContactRow<Plane>>& all)
 {
 	fillAll(all.data(), all.size());
 	for (std::size_t k = 0; k < specials.size(); k++) {
@@ -198,7 +202,7 @@ void ProblemBuilder::makeRows(std::vector<ContactRow<Plane>>& all)
 	}
 }
 
-ContactRow<Plane> ProblemBuilder::row(int32_t contact) const
+ContactRow<Plane> ProblemBuilder<Plane>::row(int32_t contact) const
 {
 	if (isSpecial(contact))
 		return specialRows[specialOf[contact]];
@@ -206,7 +210,7 @@ ContactRow<Plane> ProblemBuilder::row(int32_t contact) const
 	return makeRow(*step, *finder, finder->pairs()[contact], turned);
 }
 
-void ProblemBuilder::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group<Plane>* groups, uint8_t* left) const
+void ProblemBuilder<Plane>::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group<Plane>* groups, uint8_t* left) const
 {
 	const World& world = step->world;
 	PairLanes pairs[groupsInBatch];

@@ -8,8 +8,8 @@ namespace {
 
 	template <class Space> bool isGroupable(const ContactRow<Space>& c, const PackedBodies<Space>& bodies)
 	{
-		const PackedKind<Space> &A = bodies.kinds[c.a], &B = bodies.kinds[c.b];
-		return c.wnn > 0 && c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
+		const PackedKind<Space>&A = bodies.kinds[c.a], &B = bodies.kinds[c.b];
+		return A.uniform && B.uniform && c.groupable(A.turns, B.turns);
 	}
 
 	// A row of the step; `made`: room for one that is postponed.

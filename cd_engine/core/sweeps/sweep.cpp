@@ -8,7 +8,7 @@ namespace {
 	template <class Space> void solve(LooseContact<Space>& l, PackedBody<Space>* bodies)
 	{
 		ContactRow<Space>& c = l.row;
-		PackedBody<Space> &A = bodies[c.a], &B = bodies[c.b];
+		PackedBody<Space>&A = bodies[c.a], &B = bodies[c.b];
 		ImpulseOf<Space> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
 		u.n += c.bias;
 		const ImpulseOf<Space> before = impulseOf(c), p = solveContact(c, u, before);
@@ -110,8 +110,8 @@ template <class Space> AheadReport Sweep<Space>::ahead(double beta)
 		groupKernel<Space>().extrapolate(bodies + own.from, &packed.bodiesBefore[own.from], own.size(), beta);
 	});
 	inOrder([&](const Range& groups, const Range& loose, int32_t block) {
-		groupKernel<Space>().sweepAhead(problem.contacts.groups.data() + groups.from, packed.before.groups.data() + groups.from, groups.size(),
-		    bodies, beta, packed.sums[block].groups);
+		groupKernel<Space>().sweepAhead(problem.contacts.groups.data() + groups.from, packed.before.groups.data() + groups.from,
+		    groups.size(), bodies, beta, packed.sums[block].groups);
 		for (const std::size_t i : loose)
 			solveAhead(problem.contacts.loose[i], packed.before.loose[i], bodies, beta, packed.sums[block].loose);
 	});

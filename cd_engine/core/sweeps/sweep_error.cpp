@@ -152,19 +152,19 @@ template <class Space> void SweepError<Space>::twistBodies(const ContactSystem& 
 	const PackedBodies& bodies = problem.bodies;
 	const auto twist = [&](int32_t i, double arm) {
 		if (static_cast<std::size_t>(i) < bodies.at.size())
-			moved[i].w += system.bodies[bodies.at[i]].twisted * bodies.kinds[bodies.at[i]].radius * std::abs(arm);
+			moved[i].w += system.bodies[bodies.at[i]].twisted * bodies.kinds[bodies.at[i]].radius * arm;
 	};
 	problem.blocks.byColour(threads, [&](int32_t block) {
 		const PackedContacts& contacts = problem.contacts;
 		for (const std::size_t k : contacts.ofBlock[block].lanes()) {
 			const Group& g = contacts.groups[k / Group::lanes];
-			twist(g.a[k % Group::lanes], g.at[k % Group::lanes]);
-			twist(g.b[k % Group::lanes], g.bt[k % Group::lanes]);
+			twist(g.a[k % Group::lanes], g.armA(k % Group::lanes));
+			twist(g.b[k % Group::lanes], g.armB(k % Group::lanes));
 		}
 		for (const std::size_t i : contacts.ofBlock[block].loose) {
 			const ContactRow<Space>& c = contacts.loose[i].row;
-			twist(c.a, c.at);
-			twist(c.b, c.bt);
+			twist(c.a, c.armA());
+			twist(c.b, c.armB());
 		}
 	});
 }
