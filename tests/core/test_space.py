@@ -245,7 +245,8 @@ def test_global_problems_are_condensed(tmp_path, nz):
     bodies, contacts = 4, 5
     A = draw.normal(0, 1, (6 * bodies, 6 * bodies))
     M = A @ A.T + np.eye(6 * bodies)
-    H, f, w, mu = draw.normal(0, 1, (6 * bodies, 3 * contacts)), draw.normal(0, 1, 6 * bodies), draw.normal(0, 1, 3 * contacts), np.full(contacts, 0.3)
+    H, f, w = (draw.normal(0, 1, size) for size in ((6 * bodies, 3 * contacts), 6 * bodies, 3 * contacts))
+    mu = np.full(contacts, 0.3)
     write_global(tmp_path / "a.hdf5", M, H, f, w, mu, nz)
     problem = core.read_problem(tmp_path / "a.hdf5")
     assert np.allclose(problem.W.toarray(), H.T @ np.linalg.solve(M, H)) and np.allclose(problem.q, H.T @ np.linalg.solve(M, f) + w)

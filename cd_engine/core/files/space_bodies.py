@@ -9,7 +9,7 @@ from .problem import Problem, array, refuse_friction, refuse_negative, refuse_si
 
 
 def tangents(normals):
-    """Return two unit vectors (n, 3) for each unit normal (n, 3), orthogonal to it and to each other (Duff et al. 2017, J. Comput. Graph. Tech. 6)."""
+    """Return two unit vectors (n, 3) for each unit normal (n, 3), orthogonal to it and to each other (Duff et al. 2017, JCGT 6)."""
     x, y, z = normals.T
     sign = np.where(z < 0, -1.0, 1.0)
     a = -1 / (sign + z)

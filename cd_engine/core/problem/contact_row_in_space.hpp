@@ -18,7 +18,7 @@ template <> struct ContactRow<Space3> {
 	double wnn = 0, wtt = 0; // own block of W [1/kg]
 	double pn = 0, px = 0, py = 0, pz = 0; // impulse on `b` [N s], along the normal and across it
 
-	bool diagonal() const { return true; }
+	bool groupable(bool turnsA, bool turnsB) const { return wnn > 0 && wtt > 0 && (turnsA || at == 0) && (turnsB || bt == 0); }
 	static bool held(double along, double all) { return along <= 1e-29 * all; } // as in the plane
 	double freedom(const double* a, const double* b) const { return a[0] + a[1] + a[2] + b[0] + b[1] + b[2] + at * at * a[3] + bt * bt * b[3]; }
 	double compliance(const double* a, const double* b) const

@@ -1,5 +1,5 @@
-"""Random contact problems in space between spheres, boxes or capsules: the contacts of a heap in a box, with the directions, masses and inertias drawn
-at random. At rest nothing closes, so each has a solution. Needs no YADE."""
+"""Random contact problems in space between spheres, boxes or capsules: the contacts of a heap in a box, with directions, masses and inertias drawn at
+random. At rest nothing closes, so each has a solution. Needs no YADE."""
 import numpy as np
 from scipy.spatial import cKDTree, transform
 
