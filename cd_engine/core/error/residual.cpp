@@ -63,6 +63,7 @@ void ResidualSum::add(const ResidualSum& other)
 	square += other.square;
 	differenceEnergy += other.differenceEnergy;
 	squareEnergy += other.squareEnergy;
+	stale += other.stale;
 	worst = atLeast(worst, other.worst);
 	missed += other.missed;
 	mostMissed = atLeast(mostMissed, other.mostMissed);
@@ -115,6 +116,7 @@ Residual residual(const ResidualSum* islands, std::size_t count)
 		r.norm = r.energy = r.maximum = all.difference == 0 ? 0 : std::numeric_limits<double>::infinity();
 		return r;
 	}
+	r.stale = all.stale > 0;
 	r.norm = std::sqrt(all.difference / all.square);
 	r.work = all.squareEnergy;
 	r.energy = std::sqrt(all.differenceEnergy / all.squareEnergy);
@@ -173,6 +175,7 @@ void addResiduals(const ContactSystem<Space>& system, const std::vector<double>&
 }
 
 template Residual residual(const ContactSystem<Plane>&, const std::vector<double>&);
+template Residual residual(const ContactSystem<Space3>&, const std::vector<double>&);
 template void addResiduals(
     const ContactSystem<Plane>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
 
@@ -193,7 +196,9 @@ Residual residual(const DelassusSystem& system)
 		const Components<double> p = { system.p[2 * i], system.p[2 * i + 1] };
 		const double compliance = system.blocks[system.diagonal[i]].nn;
 		// u is a sum and is known only to the round-off of its terms.
-		sum.addContact(missOf<double>(squaredMiss<double>(p, { un, ut }, { system.mu[i] }, compliance), compliance, size, 0), p, compliance);
+		sum.addContact(
+		    missOf<double>(squaredMiss(p, Components<double> { un, ut }, Friction<double> { system.mu[i] }, compliance), compliance, size, 0),
+		    p, compliance);
 	}
 	Residual r = sum.of();
 	r.bodies = 0;

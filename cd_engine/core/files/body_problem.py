@@ -40,6 +40,7 @@ class BodyProblem:
     impulses: np.ndarray = field(default=None)
     compliances: np.ndarray = field(default=None)
     slip_bias: np.ndarray = field(default=None)
+    dimension = 2
 
     def __post_init__(self):
         bodies, n = (_length(name, getattr(self, name)) for name in ("inverse_masses", "mu"))

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "problem/problem.hpp"
-#include "kernels/group.hpp"
+#include "kernels/group_in_space.hpp"
 
 #include <cstddef>
 
@@ -16,7 +16,7 @@ struct alignas(64) LaneSums {
 // How far the contacts miss the contact law, summed lane by lane: members of ResidualSum.
 struct alignas(64) LaneMisses {
 	double difference[lanes], square[lanes], differenceEnergy[lanes], squareEnergy[lanes];
-	double missed[lanes], worst[lanes], mostMissed[lanes];
+	double missed[lanes], worst[lanes], mostMissed[lanes], stale[lanes];
 };
 
 // Eight pairs.
@@ -64,6 +64,7 @@ template <class Space> struct GroupKernel {
 	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
 	// the sums, and writes the values of each contact to `each` if it is not null.
 	void (*miss)(const Group* groups, const GroupSprings* springs, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
+	// From here on for the plane only, null in space.
 	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held. Where `before` is not null,
 	// the impulses must already have the values of y, and `steps` gets the results.
 	void (*sweepRows)(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);
@@ -97,6 +98,7 @@ template <class Space> void useGroupKernel(const GroupKernel<Space>&);
 
 template <> GroupKernels<Plane> groupKernels();
 template <> const GroupKernel<Plane>& groupKernel();
-template <> void useGroupKernel(const GroupKernel<Plane>&);
+template <> const GroupKernel<Space3>& groupKernel();
+template <> void useGroupKernel(const GroupKernel<Plane>&); // in space, too; one of groupKernels()
 
 } // namespace cd

@@ -60,7 +60,7 @@ Miss<double> missOf(const ContactRow<Space>& c, double compliance, const MotionO
 // |p - P_K(...)|^2; un, ut: relative velocity, with the bias.
 inline double squaredDifference(double pn, double pt, double un, double ut, double mu, double compliance)
 {
-	return squaredMiss<double>({ pn, pt }, { un, ut }, { mu }, compliance);
+	return squaredMiss(Components<double> { pn, pt }, Components<double> { un, ut }, Friction<double> { mu }, compliance);
 }
 
 // cut() that keeps a NaN and the sign of a zero: a NaN tells that a solution has failed.
@@ -104,7 +104,7 @@ inline Components<double> solveContact(const ContactRow<Plane>& c, const Compone
 	assert(c.wnn > 0);
 	const double nn = c.nn(), tt = c.tt();
 	if (c.wnt == 0 && tt > 0)
-		return cut<double>({ p.n - u.n / nn, p.t - u.t / tt }, frictionOf(c));
+		return cut(Components<double> { p.n - u.n / nn, p.t - u.t / tt }, frictionOf(c));
 	return solveLocal(nn, c.wnt, c.wnt, tt, c.mu, u.n - (nn * p.n + c.wnt * p.t), u.t - (c.wnt * p.n + tt * p.t));
 }
 // The same where it has none. -0: 0 - 0 would lose the sign of a zero.

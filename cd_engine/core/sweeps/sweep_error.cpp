@@ -20,6 +20,7 @@ namespace {
 			one.missed = all.missed[lane];
 			one.worst = all.worst[lane];
 			one.mostMissed = all.mostMissed[lane];
+			one.stale = all.stale[lane];
 			sum.add(one);
 		}
 		sum.contacts = contacts;
@@ -262,5 +263,6 @@ template <class Space> void SweepError<Space>::addBodies(const PackedBodies& bod
 }
 
 template class SweepError<Plane>;
+template class SweepError<Space3>;
 
 } // namespace cd
