@@ -1,5 +1,5 @@
 // The attributes of ContactDynamics, as a user reads them and a scene saves them: type, name, value at first, Access, documentation.
-CD_ATTRIBUTE(Vector3r, gravity, Vector3r::Zero(), setting, "Acceleration acting on every free body [m/s^2], in the plane (x, y).")
+CD_ATTRIBUTE(Vector3r, gravity, Vector3r::Zero(), setting, "Acceleration acting on every free body [m/s^2], in the plane of the scene.")
 CD_ATTRIBUTE(double, tolerance, 1e-6, Access { Access::set, 0, 1, true },
     "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
     "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "

@@ -231,13 +231,13 @@ void ContactDynamics::advance()
 	warnBeforeStep(settings.dt);
 
 	const bool tracks = scene_trackEnergy(scene);
-	const double height = tracks ? energyOf(link.world, weighs).weight : 0;
+	const double height = tracks ? energyOf(link.world, link.toPlane(weighs)).weight : 0;
 	const cd::StepReport made = solve(weighs, settings);
 	link.finishStep(step, settings.dt);
 	moved = true;
 	idle = made.idle;
 	if (tracks) {
-		const Energy after = energyOf(link.world, weighs);
+		const Energy after = energyOf(link.world, link.toPlane(weighs));
 		track(after.kinetic, after.weight - height, made.dissipated);
 	}
 	const double deepestBefore = deepestPenetration;
@@ -259,7 +259,7 @@ void ContactDynamics::repeatIdleStep(const Vector3r& weighs)
 		noteUnrest({});
 	}
 	if (scene_trackEnergy(scene))
-		track(energyOf(link.world, weighs).kinetic, 0, 0);
+		track(energyOf(link.world, link.toPlane(weighs)).kinetic, 0, 0);
 	show();
 }
 

@@ -37,7 +37,7 @@ void SceneLink::warnOfUnheldBoundaries(double dt)
 		const cd::Body& a = world.bodies[mover];
 		if (world.masks[mover] == 0)
 			continue;
-		const bool pulled = a.inverseMass[0] * gravity[0] != 0 || a.inverseMass[1] * gravity[1] != 0;
+		const bool pulled = a.inverseMass[0] * pull[0] != 0 || a.inverseMass[1] * pull[1] != 0;
 		held = held || !pulled; // a fixed disk holds the scene, too
 		if (!isBoundary(a) || (a.inverseMass[0] == 0 && a.inverseMass[1] == 0))
 			continue;
@@ -59,7 +59,7 @@ void SceneLink::warnOfUnheldBoundaries(double dt)
 			const bool crosses = overlap[k] == cd::endless || (world.shapes[mover].kind == cd::ShapeKind::wall && overlap[k] > margin);
 			if (crosses || overlap[k] < -margin || a.inverseMass[k] == 0 || !(overlap[1 - k] > 0))
 				continue;
-			const bool falls = way[k] * gravity[k] > 0, comes = overlap[k] < 0 && (way[k] * a.v[k] > 0 || way[k] * a.force[k] > 0);
+			const bool falls = way[k] * pull[k] > 0, comes = overlap[k] < 0 && (way[k] * a.v[k] > 0 || way[k] * a.force[k] > 0);
 			const auto [first, second] = std::minmax(mover, other); // having passed through each other they meet again
 			if ((falls || comes) && warned.insert(text("boundaries ", first, " ", second)).second)
 				warnOnce(text("body #", mover, " is a boundary that ", falls ? "gravity" : "its velocity or a force",
@@ -186,7 +186,8 @@ cd::Carried SceneLink::readForce(std::size_t index, bool turned)
 	if (known.phys != phys)
 		known.phys = phys;
 	const Vector3r &n = geom_normal(geom), &fn = phys_normalForce(phys), &ft = phys_shearForce(phys);
-	return { n[0], n[1], { fn[0], fn[1] }, { ft[0], ft[1] }, -1 };
+	const int x = plane.x, y = plane.y;
+	return { n[x], n[y], { fn[x], fn[y] }, { ft[x], ft[y] }, -1 };
 }
 
 // Reads the present force of every contact: three dependent look-ups in different memory lines, each prefetched before the next. A force that
@@ -247,6 +248,10 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	if (read) {
 		gravity = g;
 		gatherBodies(scene);
+	} else if (!driven.empty()) {
+		scene_forces(scene).sync();
+		for (const int id : driven)
+			readMotion(id, world.bodies[id], scene_forces(scene));
 	}
 	bool reordered;
 	{

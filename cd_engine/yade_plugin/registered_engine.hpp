@@ -197,8 +197,6 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		} else if constexpr (std::is_same_v<T, Vector3r>) {
 			if (!value.allFinite())
 				return " is not a vector of finite numbers";
-			if (value[2] != 0)
-				return " has a component out of the x-y plane; its z must be 0. Turn a scene that lies in another plane";
 		} else if constexpr (std::is_same_v<T, std::string>)
 			return E::wordFault(name, value);
 		return "";

@@ -3,8 +3,8 @@
 
 #include "search/search.hpp"
 #include "step/step.hpp"
-#include "layout.hpp"
 #include "scene_error.hpp"
+#include "scene_plane.hpp"
 
 #include <boost/weak_ptr.hpp>
 
@@ -15,10 +15,6 @@
 #include <vector>
 
 namespace cd_engine {
-
-// Of each freedom of the plane: its bit in State.blockedDOFs, and its velocity in a State.
-constexpr unsigned dofs[cd::Plane::freedoms] = { 1, 2, 32 };
-inline double& velocityOf(void* state, int k) { return k < cd::Plane::components ? state_vel(state)[k] : state_angVel(state)[2]; }
 
 // Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {
@@ -101,10 +97,15 @@ class SceneLink {
 	std::string behindWall(const cd::Pair&) const;
 
 	void warnOnce(const std::string& what, const std::string& remedy);
+	// Where a body is, for a message.
+	std::string placeOf(const cd::Body&) const;
+	// A vector of space as the core sees it, after the first step.
+	Vector3r toPlane(const Vector3r& v) const { return plane.toPlane(v); }
 
     private:
 	void checkScene(yade::Scene*, double dt);
 	void gatherBodies(yade::Scene*);
+	void findPlane(yade::BodyContainer&);
 	void findLayer(yade::BodyContainer&);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);
@@ -152,9 +153,10 @@ class SceneLink {
 	std::vector<int> driven; // boundaries whose velocities in the scene are up to date nevertheless
 	bool finite = true; // whether the motion after the last step is finite
 	double lastDt = 0; // length of the last step [s]
-	Vector3r gravity = Vector3r::Zero();
-	double layer = 0; // z of the disks [m]
-	int layerId = -1; // the disk from which z was taken
+	Vector3r gravity = Vector3r::Zero(), pull = Vector3r::Zero(); // pull: gravity in the plane
+	ScenePlane plane;
+	double layer = 0; // where the plane of the disks is along its normal [m]
+	int layerId = -1; // the disk from which it was taken
 	bool outdated = true; // whether the pairs must be listed anew even if the scene's list is the same
 };
 

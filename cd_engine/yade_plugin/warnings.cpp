@@ -92,8 +92,8 @@ void ContactDynamics::warnOfLostBody()
 		return;
 	warnedOfLost = true;
 	const cd::Body& body = link.world.bodies[id];
-	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << id << " has left the scene: it is at (" << body.x << ", "
-		  << body.y << ") m, at " << std::hypot(body.v[0], body.v[1]) << " m/s. Erase it (O.bodies.erase(" << id
+	std::cerr << "ContactDynamics: step " << scene_iter(scene) << ": body #" << id << " has left the scene: it is at " << link.placeOf(body)
+		  << ", at " << std::hypot(body.v[0], body.v[1]) << " m/s. Erase it (O.bodies.erase(" << id
 		  << ")) or give the scene a boundary that holds it. Further bodies that leave are not reported.\n";
 }
 

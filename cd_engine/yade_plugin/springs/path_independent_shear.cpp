@@ -1,5 +1,6 @@
 // Tangential springs between disks that store no path: McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304 (2008).
 #include "../kind.hpp"
+#include "../scene_plane.hpp"
 #include "spring_engines.hpp"
 
 #include <algorithm>
@@ -38,7 +39,8 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 	      "on the disks is "
 	      "(R1+R2)/d T at the arms R1 and R2, d the distance of their centres. O.forces then holds this instead of the functor's force. "
 	      "A contact seen for the first time takes over the functor's shear force, so a packing made with the usual law goes on from its forces. "
-	      "For Law2_ScGeom_FrictPhys_CundallStrack and Law2_ScGeom_FrictViscoPhys_CundallStrackVisco and for spheres in one plane of constant z. "
+	      "For Law2_ScGeom_FrictPhys_CundallStrack and Law2_ScGeom_FrictViscoPhys_CundallStrackVisco and for spheres in one plane, which their "
+	      "blockedDOFs tell (x-y if they do not). "
 	      "Contacts with walls and boxes keep the functor's force. O.dt may change between steps only where nothing turns.";
 
 	// Left by the last step.
@@ -59,7 +61,8 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 		visit(
 		    "frictionDissipation", &C::frictionDissipation, setting, "Energy dissipated by the slips of these contacts since the start [J].");
 		visit("pairIds", &C::pairIds, internal, "Ids of the bodies of these contacts, two a contact; the memory of the springs.");
-		visit("pairNormals", &C::pairNormals, internal, "Their normals in the last step, from the first body to the second: x and y [1].");
+		visit("pairNormals", &C::pairNormals, internal,
+		    "Their normals in the last step, from the first body to the second: x and y, x and z or y and z [1].");
 		visit("pairForces", &C::pairForces, internal, "Their spring's forces on the second body along the normal turned by +90 degrees [N].");
 		visit("lastStep", &C::lastStep, internal, "O.iter of the last step; after a pause of this engine the memory starts anew.");
 	}
@@ -70,7 +73,8 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 	struct Disk {
 		bool exists = false; // else the body is no disk
 		double turn = 0; // since the step before [rad]
-		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero(); // to be added to O.forces
+		Vector3r force = Vector3r::Zero(); // in the plane; to be added to O.forces, as the torque
+		double torque = 0;
 		bool touched = false;
 	};
 
@@ -78,6 +82,7 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 	bool exchange(yade::Interaction*);
 	std::size_t recall(int id1, int id2);
 
+	ScenePlane plane;
 	std::vector<Disk> disks; // at their bodies' ids
 	// The memory being written while the old one is read; where the next pair is expected in it; its order by ids, made when needed.
 	std::vector<int> newIds;
@@ -92,16 +97,19 @@ void PathIndependentShear::readBodies()
 	auto& container = *scene_bodies(scene);
 	const double dt = scene_dt(scene);
 	static Kind isSphere { "Sphere" };
+	plane = ScenePlane::of(container, plane, Vector3r::Zero());
 	disks.assign(container.size(), Disk());
 	for (std::size_t id = 0; id < disks.size(); id++) {
 		const Shared<yade::Body>& body = container[id];
 		if (!body || !body_shape(body) || !isSphere(body_shape(body).get()))
 			continue;
 		const Vector3r& spin = state_angVel(body_state(body));
-		if (spin[0] != 0 || spin[1] != 0)
-			refuse(text("body #", id, " turns out of the plane"), "Set blockedDOFs='zXY' and its x and y angular velocities to 0");
+		if (spin[plane.x] != 0 || spin[plane.y] != 0)
+			refuse(text("body #", id, " turns out of the plane"),
+			    text("Set blockedDOFs='", plane.blocks(), "' and its ", plane.letter(plane.x), " and ", plane.letter(plane.y),
+				" angular velocities to 0"));
 		disks[id].exists = true;
-		disks[id].turn = spin[2] * dt;
+		disks[id].turn = plane.turn * spin[plane.normal] * dt;
 	}
 }
 
@@ -140,14 +148,14 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 		refuse(pairName(id1, id2) + " has " + className(geom) + " and " + className(phys),
 		    "It needs ScGeom with FrictPhys (Law2_ScGeom_FrictPhys_CundallStrack) or FrictViscoPhys "
 		    "(Law2_ScGeom_FrictViscoPhys_CundallStrackVisco)");
-	const Vector3r& n = geom_normal(geom);
+	const Vector3r n = plane.toPlane(geom_normal(geom));
 	if (n[2] != 0)
-		refuse(pairName(id1, id2) + " has a normal out of the plane", "Put all disks at one z");
+		refuse(pairName(id1, id2) + " has a normal out of the plane", "Put all disks in one plane, and block what would take them out of it");
 
 	const double r1 = geom_refR1(geom), r2 = geom_refR2(geom);
 	const double overlap = geom_penetrationDepth(geom);
 	Vector3r& shear = phys_shearForce(phys);
-	const Vector3r old = shear;
+	const Vector3r old = plane.toPlane(shear);
 	const double oldForce = n[0] * old[1] - n[1] * old[0];
 
 	double force = oldForce; // a spring not known from the step before begins with what the law functor has found
@@ -167,18 +175,19 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 		slidingContacts += limit > 0; // without friction there is no limit to reach
 	}
 
-	shear = Vector3r(-n[1] * force, n[0] * force, 0);
+	const double forceX = -n[1] * force, forceY = n[0] * force;
+	shear = plane.toSpace(forceX, forceY);
 	newIds.insert(newIds.end(), { id1, id2 });
 	newNormals.insert(newNormals.end(), { n[0], n[1] });
 	newForces.push_back(force);
 
 	const double alpha = (r1 + r2) / (r1 + r2 - overlap);
-	const Vector3r added(alpha * shear[0] - old[0], alpha * shear[1] - old[1], 0);
+	const Vector3r added(alpha * forceX - old[0], alpha * forceY - old[1], 0);
 	Disk &one = disks[id1], &two = disks[id2];
 	one.force -= added;
 	two.force += added;
-	one.torque[2] -= r1 * force - (r1 - overlap / 2) * oldForce;
-	two.torque[2] -= r2 * force - (r2 - overlap / 2) * oldForce;
+	one.torque -= r1 * force - (r1 - overlap / 2) * oldForce;
+	two.torque -= r2 * force - (r2 - overlap / 2) * oldForce;
 	one.touched = two.touched = true;
 	return true;
 }
@@ -209,8 +218,8 @@ void PathIndependentShear::step()
 	for (std::size_t id = 0; id < disks.size(); id++) {
 		if (!disks[id].touched)
 			continue;
-		forces.addForce(static_cast<int>(id), disks[id].force);
-		forces.addTorque(static_cast<int>(id), disks[id].torque);
+		forces.addForce(static_cast<int>(id), plane.toSpace(disks[id].force[0], disks[id].force[1]));
+		forces.addTorque(static_cast<int>(id), plane.torque(disks[id].torque));
 	}
 }
 
