@@ -34,7 +34,8 @@ def timeStep(gravity=None, speed=None, share=None):
     """
     from yade import O
     if share is None:
-        share = BOUNCING if any(getattr(engine, "restitution", 0) > 0 and not engine.dead for engine in O.engines) else SHARE
+        bounces = any((getattr(engine, "restitution", 0) > 0 or getattr(engine, "en", None)) and not engine.dead for engine in O.engines)
+        share = BOUNCING if bounces else SHARE
     if not (_is_finite(share) and share > 0):
         raise ValueError(f"timeStep: share={share!r} is out of range: it must be a number above 0")
     if speed is not None and not (_is_finite(speed) and speed >= 0):

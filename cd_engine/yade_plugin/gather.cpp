@@ -225,8 +225,54 @@ bool SceneLink::readForces(cd::Sleepers* sleepers)
 	return true;
 }
 
+void PairValues::check() const
+{
+	en.each([](double e) {
+		if (!(e >= 0 && e <= 1))
+			throw SceneError(text("ContactDynamics: en has the value ", e, ". Give coefficients of restitution from 0 to 1"));
+	});
+	frictAngle.each([](double angle) {
+		if (!(angle >= 0 && angle < 1.5707963267948966 && std::tan(angle) <= 1e6))
+			throw SceneError(
+			    text("ContactDynamics: frictAngle has the value ", angle, " rad. Give math.atan(mu) with a mu from 0 to 1e6"));
+	});
+}
+
+double PairValues::largestRestitution() const
+{
+	double largest = en.algo == "zero" || en.algo == "val" ? 0 : restitution;
+	en.each([&](double e) { largest = std::max(largest, e); });
+	return largest;
+}
+
+bool SceneLink::setValues(const PairValues& now)
+{
+	now.check();
+	newValues = newValues || !(now == values);
+	values = now;
+	return newValues;
+}
+
+void SceneLink::setRestitution()
+{
+	world.restitutions.resize(values.en.given() ? world.pairs.size() : 0);
+	for (std::size_t i = 0; i < world.restitutions.size(); i++)
+		world.restitutions[i]
+		    = values.en.of(bodies[world.pairs[i].a].material, bodies[world.pairs[i].b].material, values.restitution, values.restitution);
+}
+
+void SceneLink::setPairFriction()
+{
+	for (cd::Pair& pair : world.pairs) {
+		const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
+		pair.mu = std::tan(values.frictAngle.of(a.material, b.material, a.frictionAngle, b.frictionAngle));
+	}
+}
+
 void SceneLink::setFriction(cd::Threads& threads)
 {
+	if (values.frictAngle.given())
+		return setPairFriction();
 	cd::forRanges(&threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t k = from; k < to; k++) {
 			cd::Pair& pair = world.pairs[world.awake[k]];
@@ -267,8 +313,11 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	}
 	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
 	gone.clear();
-	if (read || searched)
+	if (read || searched || newValues) {
 		setFriction(step.threads);
+		setRestitution();
+	}
+	newValues = false;
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)

@@ -267,6 +267,7 @@ void SceneLink::readFriction(int id, void* mat)
 			warnOnce(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
 			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));
 	}
+	known.material = material_id(mat);
 	const double angle = frictMat_frictionAngle(mat);
 	if (angle == known.frictionAngle)
 		return;
@@ -357,8 +358,9 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 		if (id + ahead < count)
 			prefetchBody(bodies[id + ahead]);
 		const bool boundary = isBoundary(world.bodies[id]), joins = world.masks[id] != 0;
+		const int material = bodies[id].material;
 		readBody(id, container[id], forces, scene_iter(scene));
-		changed = changed || isBoundary(world.bodies[id]) != boundary || (world.masks[id] != 0) != joins;
+		changed = changed || isBoundary(world.bodies[id]) != boundary || (world.masks[id] != 0) != joins || bodies[id].material != material;
 	}
 	std::sort(gone.begin(), gone.end());
 	outdated = changed || !gone.empty();

@@ -3,6 +3,7 @@
 
 #include "search/search.hpp"
 #include "step/step.hpp"
+#include "matches.hpp"
 #include "scene_error.hpp"
 #include "scene_plane.hpp"
 
@@ -43,6 +44,7 @@ struct KnownBody {
 	int placed = 0; // number of steps in a row before which somebody has set its position
 	long placedAt = 0; // the last of them
 	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
+	int material = -1; // its id in O.materials
 };
 void prefetchBody(const KnownBody&);
 
@@ -55,10 +57,23 @@ struct ForceObjects {
 	bool inUse() const { return real && geom; }
 };
 
+// What the settings say of pairs, by their materials.
+struct PairValues {
+	Matches en, frictAngle;
+	double restitution = 0; // of pairs that `en` does not know
+
+	// Throws SceneError for values out of range.
+	void check() const;
+	double largestRestitution() const;
+	bool operator==(const PairValues& o) const { return en == o.en && frictAngle == o.frictAngle && restitution == o.restitution; }
+};
+
 class SceneLink {
     public:
 	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
+	// What holds for pairs from the next gather on. Returns whether it is new. Throws SceneError for values out of range.
+	bool setValues(const PairValues&);
 	// Reads the scene, unless the scene is out of date. checksOrder: whether this step checks that the order of the bodies is still good.
 	// `margin`: the searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
 	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder, double margin, cd::TimeStep&,
@@ -127,6 +142,8 @@ class SceneLink {
 	bool readForces(cd::Sleepers*);
 	cd::Carried readForce(std::size_t pair, bool turned);
 	void setFriction(cd::Threads&);
+	void setPairFriction();
+	void setRestitution();
 	void recycle(ForceObjects&&);
 	void makeReal(std::size_t pair);
 	void orient(int id);
@@ -136,6 +153,8 @@ class SceneLink {
 	void writeContact(std::size_t pair, const cd::Touch&);
 	void writeMotion(std::size_t id);
 
+	PairValues values;
+	bool newValues = false; // whether the pairs have other values
 	std::vector<const void*> materials; // vtables of the classes of materials that have been met
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w

@@ -17,6 +17,7 @@ struct World {
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
 	std::vector<Carried> carried; // by the contacts of the pairs
+	std::vector<double> restitutions; // of the pairs; empty: StepSettings::restitution for all
 	// Of each shape [m]: the list of pairs holds every two whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
 	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists
