@@ -9,17 +9,18 @@ import jinja2
 from markupsafe import Markup, escape
 from PIL import Image
 
-from analysis import charts, publish, studies, texts
+from analysis import charts, publish, studies, style, texts
 from yade_scripts.results import provenance, schema, sealed
 from yade_scripts.errors import ResultError
 
 PAPER = ("R. García-Rojo, S. McNamara and H. J. Herrmann, Discrete element methods for the micro-mechanical investigation of granular ratcheting, "
          "ECCOMAS 2004")
 # Names and types that the page needs in the JSON files.
-STUDY = {"extent": str, "runs_finished": int, "packings": int, "computing_seconds": (int, float), "commits": list, "yade": list, "run_command": str,
+STUDY = {"extent": str, "runs_finished": int, "packings": int, "commits": list, "yade": list, "run_command": str,
          "energy_balance": dict, "parameters": dict, "varied": dict}
 CHART = {"figures": dict, "commits": list, "extent": str, "measured": int, "processor": str, "run_command": str}
 MOST_PIXELS, COLOURS = 1100, 96  # of an inlined picture, so that the page stays below 2 MB
+PARTS = ("page", "appendix")  # of the studies that the page has, in this order
 
 
 def build(folder, path, published=False, faults=None):
@@ -31,28 +32,30 @@ def build(folder, path, published=False, faults=None):
     path.parent.mkdir(parents=True, exist_ok=True)
     link = lambda file: os.path.relpath(file.resolve(), path.parent.resolve())
     broken, unread, faults = [], [], faults or {}
-    names = studies.names(broken)
+    names = [name for name in studies.names(broken) if studies.module(name).PART in PARTS]
     studied = _readable(names, folder, unread, lambda name: _study(name, folder, link))
     if not studied:
         raise ResultError(folder, "holds no study", "; ".join(["make them with `make study`", *unread]))
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=jinja2.StrictUndefined,
                                      trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"short": provenance.short, "number": lambda value: f"{value:.2g}", "duration": _duration, "symbols": symbols}
+    environment.filters |= {"short": provenance.short, "number": lambda value: f"{value:.2g}", "symbols": symbols, "block": _block}
     there, points = {study["name"] for study in studied}, []
     for name in names:
         try:
             points += [(*point, name) for point in texts.points(name)]
         except ResultError as error:
             unread.append(str(error))
-    (words, short_answer), (note, causes) = texts.findings(), texts.causes()
+    (words, short_answer), (note, processes, causes) = texts.findings(), texts.causes()
     page = environment.get_template("report.html").render(
-        paper=PAPER, findings=short_answer, words=words, there=there, studies=studied, faults=faults,
+        paper=PAPER, findings=short_answer, words=words, there=there, parts={part: [study for study in studied if study["part"] == part] for part in PARTS},
+        studies=studied, faults=faults,
         absent=[studies.module(name).TITLE for name in names if not (folder / f"{name}.json").is_file()],
         charts=_readable(charts.ORDER, folder / charts.FOLDER, unread, lambda name: _chart(name, folder / charts.FOLDER, link)),
         broken=[*broken, *dict.fromkeys(unread)],
         points=sorted(points),
-        sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes, processes=texts.PROCESSES, note=note,
-        commits=sorted({commit for study in studied for commit in study["commits"]}), published=published)
+        sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes, processes=processes, note=note,
+        commits=sorted({commit for study in studied for commit in study["commits"]}), yade=sorted({one for study in studied for one in study["yade"]}),
+        published=published)
     sealed.replace(path, page.encode())
     return path
 
@@ -78,17 +81,16 @@ def _study(name, folder, link):
     failures = table[publish.STATUS].dropna().value_counts().to_dict() if publish.STATUS in table else {}
     more = [(link(file), file.stem) for file in sorted(folder.glob(f"{name}-*.png"))]
     return facts | _head(name, study, texts.answer(name), folder, link) | {
-        "failures": failures, "rows": len(table), "other_rows": publish.of_other_rows(name, facts, table), "more": more,
-        "large": link(folder / f"{name}.png"), "picture": _picture(folder / f"{name}.png")}
+        "failures": failures, "rows": len(table), "other_rows": publish.of_other_rows(name, facts, table), "more": more, "part": study.PART,
+        "large": link(folder / f"{name}.png")} | _figure(folder / f"{name}.png")
 
 
 def _chart(name, folder, link):
     """Return what the page shows of a chart: its one figure, or links where there are many."""
     chart, facts = charts.module(name), publish.read_json(folder / f"{name}.json", CHART)
     pictures = [(link(folder / file), title) for file, title in facts["figures"].items()]
-    single = _picture(folder / next(iter(facts["figures"]))) if len(pictures) == 1 else None
-    return facts | _head(name, chart, texts.answer(f"{charts.FOLDER}/{name}"), folder, link) | {
-        "picture": single, "pictures": pictures, "maps": chart.descriptions()}
+    single = _figure(folder / next(iter(facts["figures"]))) if len(pictures) == 1 else {"picture": None}
+    return facts | _head(name, chart, texts.answer(f"{charts.FOLDER}/{name}"), folder, link) | {"pictures": pictures} | single
 
 
 def _head(name, module, answer, folder, link):
@@ -97,22 +99,24 @@ def _head(name, module, answer, folder, link):
             "table": link(folder / f"{name}.csv"), "origin": link(folder / f"{name}.json")}
 
 
-def _picture(path):
-    """Return a picture for the page, with fewer pixels and colours than the file."""
+def _figure(path):
+    """Return a picture for the page, with fewer pixels and colours than the file, and its caption, which the page shows as text instead."""
     try:
         with Image.open(path) as image:
-            image = image.convert("RGB")
+            caption, origin, foot = (image.info.get(name, "") for name in (style.CAPTION, "Description", style.FOOT))
+            image = image.convert("RGB").crop((0, 0, image.width, image.height - int(foot or 0)))
             image.thumbnail((MOST_PIXELS, 4 * MOST_PIXELS), Image.LANCZOS)
             small = io.BytesIO()
             # This method and one step of k-means keep the colours of thin lines.
             image.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise ResultError(path, f"is no picture ({error})", "make it again") from None
-    return f"data:image/png;base64,{base64.b64encode(small.getvalue()).decode()}"
+    return {"picture": f"data:image/png;base64,{base64.b64encode(small.getvalue()).decode()}", "caption": caption,
+            "solved": origin.partition("; ")[2]}
 
 
 # Words of the plain texts and the symbols that replace them on the page; longer ones first. The word joiners around gamma keep |gamma| on one line.
-_SYMBOLS = ((r"\*\*(.+?)\*\*", r"<b>\1</b>"), (r"\|gamma\|", "|\u2060gamma\u2060|"),
+_SYMBOLS = ((r"\*\*([^*]+)\*\*", r"<b>\1</b>"), (r"`(.+?)`", r"<code>\1</code>"), (r"\|gamma\|", "|\u2060gamma\u2060|"),
             (r"(?:(?<![\d.])1|(\d))e(-?)0*(\d+)\b", lambda m: f"{m[1] + '·' if m[1] else ''}10<sup>{'−' if m[2] else ''}{m[3]}</sup>"),
             (r"\bsigma([12])\b", r"σ<sub>\1</sub>"), (r"\bk_([nt])\b", r"k<sub>\1</sub>"), (r"\bN_I\b", "N<sub>I</sub>"),
             (r"\b([PV])0\b", r"\1<sub>0</sub>"), (r"\bdSigma\b", "Δσ"), (r"\bgamma\b", "γ"), (r"\bkappa\b", "κ"), (r"\bmu\b", "μ"),
@@ -127,8 +131,9 @@ def symbols(text):
     return Markup(html)
 
 
-def _duration(seconds):
-    """Return the time in seconds, minutes or hours, whichever reads best."""
-    if seconds < 120:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+def _block(text):
+    """Return a paragraph, or a list if its lines begin with "- "."""
+    first, *others = text.split("\n- ")
+    if not first.startswith("- "):
+        return Markup(f"<p>{symbols(text)}</p>")
+    return Markup("<ul>" + "".join(f"<li>{symbols(item)}</li>" for item in (first[2:], *others)) + "</ul>")

@@ -25,6 +25,7 @@ STRESS_PATH = {"constant": r"$\sigma_1 = P_0$", "mean": r"$(\sigma_1+\sigma_2)/2
 # It goes through more hues than viridis, so that nine lines can be told apart: neighbours differ twice as much, also without red or green.
 SHADES = LinearSegmentedColormap.from_list("shades", ("#540000", "#6B00CE", "#005CB6", "#00868D", "#819C45", "#FFAE2C"))
 SLIDING, CHAIN, GRAIN, RATTLER = VERMILION, INK, "#B8B8B8", "#E6E6E6"
+CAPTION, FOOT = "Caption", "Foot"  # entries of the PNG files: what the figure shows; how many pixels at the bottom are the caption
 
 plt.rcParams.update({
     "figure.dpi": 100, "savefig.dpi": 160, "font.size": 9, "font.family": "DejaVu Sans",
@@ -38,7 +39,9 @@ plt.rcParams.update({
 def finish(fig, path, note, origin):
     """Put a caption under the figure and write it as a PNG file to `path`.
 
-    note: what the figure shows. origin: the runs that it comes from, or a line of text. The JSON file beside the figure has the settings.
+    note: what the figure shows, in plain text, as in the templates (report.symbols). origin: the runs that it comes from, or a line of text. The JSON
+    file beside the figure has the settings. The file holds both as text, and the height of the caption in pixels, since the report shows the caption
+    as text of its own.
     """
     _mend_logarithms(fig)
     line = origin if isinstance(origin, str) else source(origin)
@@ -48,8 +51,8 @@ def finish(fig, path, note, origin):
     fig.set_layout_engine("constrained", rect=(0, foot, 1, 1 - foot))
     fig.text(0.5, 0.04 / fig.get_figheight(), caption, ha="center", va="bottom", fontsize=7.5, linespacing=1.4)
     # At most 1600 pixels wide, as wide as a screen shows.
-    picture = io.BytesIO()
-    fig.savefig(picture, format="png", dpi=min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth()), metadata={"Description": line})
+    picture, dpi = io.BytesIO(), min(plt.rcParams["savefig.dpi"], 1600 / fig.get_figwidth())
+    fig.savefig(picture, format="png", dpi=dpi, metadata={"Description": line, CAPTION: note, FOOT: str(round(dpi * foot * fig.get_figheight()))})
     plt.close(fig)
     sealed.replace(path, picture.getvalue())
 

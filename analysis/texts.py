@@ -21,7 +21,7 @@ from yade_scripts.errors import ResultError
 FOLDER = Path(__file__).parent
 PUBLISHED = FOLDER / "published"
 README = FOLDER.parent / "README.md"
-PROCESSES = ("One cycle", "Strain a cycle (ratcheting)", "Collapse")  # columns of the table of causes
+ENGINE = FOLDER.parent / "cd_engine" / "FLOWS.md"
 
 
 def _each(written):
@@ -117,35 +117,41 @@ def remedy(name):
 
 
 def causes():
-    """Return (what the table of causes is about, {cause: [a text for each of PROCESSES]}), as stored: a fault in one study must not cost it all."""
-    note, *rows = (PUBLISHED / "findings.md").read_text(encoding="utf-8").strip().split("\n# Causes\n\n")[1].split("\n\n## ")
-    return note, {cause: cells for cause, *cells in (row.split("\n\n") for row in rows)}
+    """Return the table of causes, as stored, since a fault in one study must not cost it all: (what it is about, [headings of the columns],
+    {cause: [cells]})."""
+    note, *lines = (PUBLISHED / "findings.md").read_text(encoding="utf-8").strip().split("\n# Causes\n\n")[1].split("\n|")
+    (_, *headings), _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines)
+    return " ".join(note.split()), headings, {cause: cells for cause, *cells in rows}
 
 
 def findings():
-    """Return what README's findings say, as stored: the definitions before them, and [(text, [study whose figure it links to])]."""
+    """Return what README's findings say, as stored: the definitions before them, and [(text, [(words, study whose figure they link to)])]."""
     stored = README.read_text(encoding="utf-8").split("<!-- findings: begin -->")[1].split("<!-- findings: end -->")[0]
     words, items = (" ".join(part.split()) for part in stored.split("\n\n"))
-    return words, [(text, re.findall(r"\[(\w+)\]", links)) for text, links in re.findall(r"- (.+?)((?: \[\w+\]\(\S+\))+)", items)]
+    link = r"\[([^]]+)\]\(\S+?(\w+)\.png\)"
+    return words, [(re.sub(rf" {link}", "", item), re.findall(link, item)) for item in re.split(r"(?:^| )- (?=\*\*)", items)[1:]]
 
 
 def committed():
-    """Return {file: text} of the texts that are stored: all findings, and README with its findings and advice between marks."""
+    """Return {file: text} of the texts that are stored: all findings of the page, those on the engine, and README with its findings and advice
+    between marks."""
+    found = [(name, studies.module(name), answer(name), points(name)) for name in studies.names() if answer(name)]
+    engine = ENVIRONMENT.get_template("engine.md.j2").render(studies=[one for one in found if one[1].PART == "engine"])
     every = ENVIRONMENT.get_template("findings.md.j2").render(
-        studies=[(studies.module(name), answer(name), points(name)) for name in studies.names() if answer(name)],
+        studies=[one for one in found if one[1].PART != "engine"],
         charts=[(charts.module(name), answer(f"{charts.FOLDER}/{name}")) for name in charts.ORDER],
         maps=[(maps.get(name).title, remedy(name)) for name in maps.names()])
     readme = re.sub(r"(<!-- (\w+): begin -->\n).*?(?=<!-- \2: end -->)",
                     lambda found: found[1] + wrap(ENVIRONMENT.get_template(f"readme_{found[2]}.md.j2").render()) + "\n",
                     README.read_text(encoding="utf-8"), flags=re.S)
-    return {PUBLISHED / "findings.md": wrap(every) + "\n", README: readme}
+    return {PUBLISHED / "findings.md": wrap(every) + "\n", ENGINE: wrap(engine) + "\n", README: readme}
 
 
 def wrap(text):
-    """Return Markdown in lines of at most 150 columns."""
+    """Return Markdown in lines of at most 150 columns; rows of tables stay as they are."""
     fill = lambda found: textwrap.fill(" ".join(found[0].split()), 150, subsequent_indent="  " * bool(found[1]), break_long_words=False,
                                        break_on_hyphens=False)
-    return re.sub(r"^(- )?.+(?:\n(?!- )(?!\s*$).+)*", fill, text.strip(), flags=re.M)
+    return re.sub(r"^(- )?(?!\| ).+(?:\n(?!- |\| )(?!\s*$).+)*", fill, text.strip(), flags=re.M)
 
 
 def write():

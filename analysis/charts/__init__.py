@@ -6,7 +6,7 @@ A chart is a module with TITLE and QUESTION, and beside it NAME.md.j2, its findi
     draw(rows, folder, line)  draws its figures and returns {file name: title}. line: where the rows come from, for the caption
 
 It may have quantities(table), as a study, and LACKING: why measurements give no row. The module `maps` draws the measured maps themselves,
-since its table has their boundaries only; its descriptions() are those of the maps.
+since its table has their boundaries only.
 Accuracy is a relative error: |measured - exact| over a scale that the scene gives, and the largest over the scene's known quantities.
 """
 from pathlib import Path
@@ -22,7 +22,7 @@ FOLDER = "charts"  # below the folder of the studies' figures
 def module(name):
     text = Path(__file__).with_name(f"{name}.md.j2").read_text(encoding="utf-8")
     return declared.load(__name__, name, ("TITLE", "QUESTION", "rows", "draw"),
-                         {"ANSWER": text, "quantities": lambda table: {}, "LACKING": "no measurement belongs in it", "descriptions": list})
+                         {"ANSWER": text, "quantities": lambda table: {}, "LACKING": "no measurement belongs in it"})
 
 
 def entries(panels):

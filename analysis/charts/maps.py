@@ -1,12 +1,11 @@
 """Stability maps: turns the results of the probes into rows, boundaries and figures. Runs nothing."""
-import dataclasses
 import math
 from collections import namedtuple
 from pathlib import Path
 
 import pandas
 
-from analysis import charts, publish, style, summary, texts
+from analysis import charts, publish, style, summary
 from analysis.style import plt
 from yade_scripts.measuring import maps
 from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, STABLE, UNSTABLE
@@ -37,12 +36,6 @@ SYMBOLS = {"kt_over_kn": r"$k_t/k_n$", "beta_n": r"$\beta_n$"}
 HEIGHT = 4.7  # in, of one line of panels
 MOST_COLUMNS = 3
 LINES = ("-", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
-
-
-def descriptions():
-    """Return the maps, with question, criterion and remedy, for the report."""
-    return [dataclasses.replace(maps.get(name), remedy=texts.remedy(name)) for name in maps.names([])]
-
 
 # A map with its results: table of the cells, cases that were not run, the Lines searched, facts of all.
 Found = namedtuple("Found", "name map rows missing lines facts")

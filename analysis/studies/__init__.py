@@ -1,6 +1,6 @@
 """The studies: each is one file in this folder. A study has
 
-    TITLE, QUESTION    heading, and the question, with the paper or figure that it is about
+    TITLE, QUESTION    heading, which is the question in short, and what was compared
     ROWS               {"quick": rows, "full": rows}: lists of dictionaries of parameters (yade_scripts.tables.product makes them)
     summarize(runs)    returns the rows of the summary table, a list of {heading: number or text}
     draw(runs, rows, path)     draws the figure and writes it to path, by style.finish
@@ -8,8 +8,9 @@
 and, before it is published,
 
     ORDER              its place in the report, by default 100
-    ANSWER             the findings of the published run in plain words: a template (analysis/texts.py), by default the file NAME.md.j2 beside it.
-                       The report typesets P0, gamma, mu and 1e-3
+    PART               "page", the default; "appendix": at its end; "engine": in cd_engine/FLOWS.md instead
+    ANSWER             the findings of the published run in plain words, the conclusion first: a template (analysis/texts.py), by default the file
+                       NAME.md.j2 beside it. The report typesets P0, gamma, mu and 1e-3
     quantities(table)  returns {name: value} of what the template needs beside `table`, the published summary table (pandas)
     POINTS             statements of the paper: (place, quotation, where, verdict); the template has a macro point_PLACE with what was measured
 
@@ -48,7 +49,7 @@ def module(name):
         raise parameters.ParameterError(f"there is no study {name!r}; there are {', '.join(names())}")
     text = Path(__file__).with_name(f"{name}.md.j2")
     found = declared.load(__name__, name, ("TITLE", "QUESTION", "ROWS", "summarize", "draw"),
-                          {"ORDER": 100, "ANSWER": text.read_text(encoding="utf-8") if text.is_file() else "", "POINTS": (),
+                          {"ORDER": 100, "PART": "page", "ANSWER": text.read_text(encoding="utf-8") if text.is_file() else "", "POINTS": (),
                            "quantities": lambda table: {}})
     with declared.located(found.__file__):
         extents = {f"ROWS[{extent!r}]": rows or None for extent, rows in found.ROWS.items()}

@@ -6,10 +6,10 @@ from analysis import style, summary
 from analysis.style import plt
 from yade_scripts.tables import product
 
-TITLE = "A closed path of two disks under the three tangential laws"
-QUESTION = ("Does the tangential spring's force depend only on where the disks are, or also on the path that they took? McNamara, García-Rojo and "
-            "Herrmann (2008) found that the usual law depends on the path, and suggested that this causes ratcheting.")
-ORDER = 8  # in the report
+TITLE = "What do the three tangential laws do on a closed path?"
+QUESTION = "Two disks led along a closed path without slip."
+ORDER = 23  # in the report
+PART = "appendix"
 PATHS = dict(scene="two_grain_path", tangential_law=("standard", "avoid_ratcheting", "path_independent"), path_depth=(1e-4, 1e-3, 1e-2, 1e-1))
 # The last rows take four times the steps: the error of the step falls.
 ROWS = {"quick": product(path_angle=0.1, **PATHS),

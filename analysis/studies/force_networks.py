@@ -13,9 +13,10 @@ from analysis.studies import fig4
 from analysis.style import plt
 from yade_scripts.errors import ResultError
 
-TITLE = "The force networks of springs and rigid contacts"
-QUESTION = "Do the contact forces of MD and CD differ where the load is largest, on one packing?"
-ORDER = 1.5  # in the report
+TITLE = "Do the contact forces of springs and rigid grains look alike?"
+QUESTION = "One packing at the peak of Fig. 4's load."
+ORDER = 20  # in the report
+PART = "appendix"
 ROWS = {"quick": fig4.ROWS["quick"], "full": fig4.ROWS["quick"]}
 
 # Width in points of a line that carries the mean force: thin enough for five times it to fit between disks.
@@ -57,7 +58,7 @@ def draw(runs, rows, path):
     below = fig.add_subplot(grid[1, :])
     below.axis("off")
     below.legend(handles=_legend(forces.mean()), loc="center", ncol=5, fontsize=8)
-    style.finish(fig, path, r"Line thickness is proportional to the normal force R; $\langle R\rangle$: its mean over the loaded "
+    style.finish(fig, path, "Line thickness is proportional to the normal force R; <R>: its mean over the loaded "
                  "contacts of both.", pair)
 
 

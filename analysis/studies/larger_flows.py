@@ -7,8 +7,9 @@ from analysis.flow_costs import COARSE, COARSER, FINE, HARDER, MIDDLE, QUANTITY,
 __all__ = ["draw", "summarize"]
 
 TITLE = "Flows of 5000 disks"
-QUESTION = "Does what holds for flows of 500 disks hold for ten times as many: the settings that suffice, and the cost of each method?"
-ORDER = 21.5  # in the report
+QUESTION = "Does what holds for 500 disks hold for ten times as many?"
+ORDER = 30  # in the report
+PART = "engine"
 MANY = 5000
 FINER = FINE | {"cd_dt": 5e-4}
 SEEDS = (1, 2, 3)
@@ -22,9 +23,9 @@ def quantities(table):
     table = flow_costs.measured(table)
     rows, md = table.to_dict("records"), table[table.method == "MD"].set_index("scene")
     gain = flow_costs.gains(rows, MANY)
-    low, middle, high, without = flow_costs.spread(flow_costs.drawn_gains(rows, MANY))
+    low, _, high, _ = flow_costs.spread(flow_costs.drawn_gains(rows, MANY))
     fine, coarser, coarse = (flow_costs.of_setting(table, setting) for setting in (FINE, COARSER, COARSE))
-    soft, falling, judged = md[md.setting == MIDDLE["kn"]], md.loc["collapse"], table[~table.is_rigid_answer]
+    falling = md.loc["collapse"]
     assert [scene for scene in QUANTITY if not flow_costs.reaching(rows, scene, MANY, "MD")] == ["collapse"]
     assert flow_costs.cheapest(rows, "collapse", MANY, "CD")["step"] == FINE["cd_dt"] and coarser.error.abs().idxmax() == "collapse"
     assert np.isinf(high[["hopper", "drum", "filling"]]).all()

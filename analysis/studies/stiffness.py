@@ -8,10 +8,9 @@ from yade_scripts import parameters
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
-TITLE = "Is the difference between MD and CD only stiffness?"
-QUESTION = ("Contact Dynamics with N_I sweeps a step has the contact stiffness kappa = q m N_I/dt^2. Where kappa is made equal to the stiffness of "
-            "MD's springs, k_n to 100 k_n at one pressure, do the loops of both methods fall on one curve?")
-ORDER = 7  # in the report
+TITLE = "Is the strain of springs only their softness?"
+QUESTION = "Springs of k_n to 100 k_n; and CD with so few sweeps a step that its contacts are as soft as springs: kappa = q m N_I/dt^2."
+ORDER = 1.4  # in the report
 LOADING = dict(loading="cosine", period=1.0)
 # For each stiffness of the springs the pairs (sweeps a step, step) whose kappa = q m N_I/dt^2 is the same.
 PAIRS = {1: ((75, 5e-3), (19, 2.5e-3), (5, 1.25e-3)), 3: ((56, 2.5e-3), (14, 1.25e-3)), 10: ((47, 1.25e-3), (12, 6.25e-4)),
@@ -60,7 +59,7 @@ def _key(run):
 
 def summarize(runs):
     """Return one row a medium and setting, over the packings. Strains times stiffness are equal on one curve: `scaled_` of the
-    mean, and "largest, packing 1" and so on of single packings.
+    mean, and of single packings ("scaled_largest, packing 1").
 
     `comparison` is empty for the rows to be compared, "check" for those whose k_t/k_n or period differs from the others'.
     """
@@ -76,7 +75,7 @@ def summarize(runs):
             "period_s": period, "comparison": "check" if check else "", "packings": len(group), **loops.spread(group),
             **{f"scaled_{name}": value for name, value in loops.spread(group, ratio).items()},
             "modulus_over_stiffness_per_m": np.mean(modulus) * group[0].parameters["depth"] / (ratio * group[0].parameters["kn"]),
-            **{f"{name}, packing {run.attributes['seed']}": ratio * loops.of(run)[name] for run in group for name in ("largest", "remanent")},
+            **{f"scaled_{name}, packing {run.attributes['seed']}": ratio * loops.of(run)[name] for run in group for name in ("largest", "remanent")},
             "sliding_most": max(int(run.values("sliding_contacts").max()) for run in group),
             "stress_error": max(observables.stress_error(run) for run in group)})
         # A check is compared with the runs of the usual settings, of the same seeds.
@@ -101,7 +100,7 @@ def draw(runs, rows, path):
         axes.legend()
     left.set_ylabel(r"strain $\gamma$")
     _draw_loops(right, runs)
-    style.finish(fig, path, r"$\kappa = q m N_I/\Delta t^2$, nothing fitted; bars: smallest and largest of the packings", runs)
+    style.finish(fig, path, "kappa = q m N_I/dt^2, nothing fitted; bars: smallest and largest of the packings", runs)
 
 
 def _draw_loops(axes, runs):
@@ -124,11 +123,11 @@ def quantities(table):
 
     def powers(name):
         """Return the exponents of k_n, packing by packing."""
-        return [np.polyfit(np.log(md.index.astype(float)), np.log(md[f"{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
+        return [np.polyfit(np.log(md.index.astype(float)), np.log(md[f"scaled_{name}, packing {seed}"] / md.index), 1)[0] for seed in seeds]
 
     def over_springs(medium, name):
         """Return each value over that of MD for the same packing and stiffness."""
-        own, columns = main[main.medium == medium], [f"{name}, packing {seed}" for seed in seeds]
+        own, columns = main[main.medium == medium], [f"scaled_{name}, packing {seed}" for seed in seeds]
         return pandas.Series((own[columns].to_numpy() / md.loc[own.springs_over_kn, columns].to_numpy()).ravel())
 
     checks = table[(table.comparison == "check") & (table.medium == MD) & (table.kt_over_kn < 0.5)]

@@ -38,13 +38,13 @@ cd::DelassusSystem matrixSystem(const py::tuple& arrays, const py::object& impul
 
 // A problem in the velocities of the bodies: three inverse masses and three free velocities a body; two bodies, a normal, four arms (a_n,
 // a_t, b_n, b_t), a bias and a friction coefficient a contact.
-cd::ContactSystem bodySystem(const py::tuple& arrays, const py::object& impulses)
+cd::ContactSystem<cd::Plane> bodySystem(const py::tuple& arrays, const py::object& impulses)
 {
 	const auto w = numbers<double>(arrays[0]), v = numbers<double>(arrays[1]), normal = numbers<double>(arrays[3]);
 	const auto pair = numbers<int32_t>(arrays[2]);
 	const auto arm = numbers<double>(arrays[4]), bias = numbers<double>(arrays[5]), mu = numbers<double>(arrays[6]);
 	const auto p = numbers<double>(impulses);
-	cd::ContactSystem s;
+	cd::ContactSystem<cd::Plane> s;
 	s.memory = &memory;
 	s.bodies.resize(w.size() / 3);
 	for (std::size_t i = 0; i < s.bodies.size(); i++) {
@@ -53,7 +53,7 @@ cd::ContactSystem bodySystem(const py::tuple& arrays, const py::object& impulses
 	}
 	s.contacts.resize(mu.size());
 	for (std::size_t i = 0; i < mu.size(); i++) {
-		cd::ContactRow& c = s.contacts[i];
+		cd::ContactRow<cd::Plane>& c = s.contacts[i];
 		c.a = pair[2 * i];
 		c.b = pair[2 * i + 1];
 		c.nx = normal[2 * i];
@@ -126,16 +126,16 @@ py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::
 		const py::tuple report = solved(system, cd::findDelassusSolver(method), method, settings, traced);
 		return py::make_tuple(bytes(system.p), report);
 	}
-	cd::ContactSystem system = bodySystem(arrays, impulses);
+	cd::ContactSystem<cd::Plane> system = bodySystem(arrays, impulses);
 	if (!(cd::resolution(system, numbers<double>(arrays[1])).growth <= cd::mostGrowth))
-		for (cd::ContactRow& c : system.contacts)
+		for (cd::ContactRow<cd::Plane>& c : system.contacts)
 			c.pn = c.pt = 0;
 	cd::Threads team;
 	team.use(threads);
 	settings.threads = &team;
 	const py::tuple report = solved(system, cd::findSolver(method), method, settings, traced);
 	std::vector<double> p;
-	for (const cd::ContactRow& c : system.contacts)
+	for (const cd::ContactRow<cd::Plane>& c : system.contacts)
 		p.insert(p.end(), { c.pn, c.pt });
 	return py::make_tuple(bytes(p), report);
 }
@@ -151,7 +151,8 @@ py::tuple residual(const py::tuple& arrays, const py::object& impulses)
 // (bytes of a contact, of its impulses a sweep before, of a body) as sweeps over bodies store them.
 py::tuple bytesOfASweep()
 {
-	return py::make_tuple(sizeof(cd::Group) / cd::Group::lanes, sizeof(cd::GroupBefore) / cd::Group::lanes, sizeof(cd::PackedBody));
+	return py::make_tuple(
+	    sizeof(cd::Group<cd::Plane>) / cd::lanes, sizeof(cd::GroupBefore<cd::Plane>) / cd::lanes, sizeof(cd::PackedBody<cd::Plane>));
 }
 
 } // namespace

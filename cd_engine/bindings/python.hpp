@@ -59,14 +59,14 @@ class WithInterpreterLock {
 inline py::list instructionSets()
 {
 	py::list all;
-	for (const cd::GroupKernel& kernel : cd::groupKernels())
+	for (const cd::GroupKernel<cd::Plane>& kernel : cd::groupKernels<cd::Plane>())
 		all.append(kernel.name);
 	return all;
 }
 
 inline void useInstructionSet(const std::string& name)
 {
-	for (const cd::GroupKernel& kernel : cd::groupKernels())
+	for (const cd::GroupKernel<cd::Plane>& kernel : cd::groupKernels<cd::Plane>())
 		if (name == kernel.name)
 			return cd::useGroupKernel(kernel);
 	raise(PyExc_ValueError, "this processor has no instruction set '" + name + "' that the sweeps are written for");

@@ -133,7 +133,7 @@ void ContactDynamics::giveUp()
 void ContactDynamics::release()
 {
 	link = SceneLink();
-	step = cd::TimeStep();
+	step = cd::TimeStep<cd::Plane>();
 	last = {};
 	idle = false;
 }
@@ -160,10 +160,10 @@ void ContactDynamics::noteUnrest(const cd::StepReport& report)
 	unrest = std::max(now, fades * unrest);
 }
 
-cd::StepSettings ContactDynamics::settings(yade::Scene* of) const
+cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene* of) const
 {
 	const std::lock_guard<std::mutex> lock(attributesLock);
-	cd::StepSettings s;
+	cd::StepSettings<cd::Plane> s;
 	s.dt = scene_dt(of);
 	s.restitution = en.given() ? pairValues().largestRestitution() : restitution;
 	s.gapCorrection = gapCorrection;
@@ -226,7 +226,7 @@ void ContactDynamics::advance()
 	if (idle && !changed && link.isUnpublished() && !checksOrder() && others.drivenBodies().empty())
 		return repeatIdleStep(weighs);
 	others.check(this, scene, weighs != Vector3r::Zero());
-	const cd::StepSettings settings = this->settings(scene);
+	const cd::StepSettings<cd::Plane> settings = this->settings(scene);
 	if (link.setValues(readPairValues()))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	if (!sleepGoesOn(settings))
@@ -283,7 +283,7 @@ void ContactDynamics::takeOverlaps()
 }
 
 // Makes a step in the core's world. Repeats it with more pairs while bodies outran the list; a repeated step may need more.
-cd::StepReport ContactDynamics::solve(const Vector3r& weighs, const cd::StepSettings& settings)
+cd::StepReport ContactDynamics::solve(const Vector3r& weighs, const cd::StepSettings<cd::Plane>& settings)
 {
 	recallRest();
 	cd::StepReport made = step(link.world, settings);
@@ -300,7 +300,7 @@ cd::StepReport ContactDynamics::solve(const Vector3r& weighs, const cd::StepSett
 }
 
 // Copies the report into the attributes.
-void ContactDynamics::report(const cd::StepReport& report, const cd::StepSettings& settings)
+void ContactDynamics::report(const cd::StepReport& report, const cd::StepSettings<cd::Plane>& settings)
 {
 	const std::lock_guard<std::mutex> lock(attributesLock);
 	if (!step.overlapsForgotten().empty())
@@ -346,7 +346,7 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 }
 
 // Whether this step has the settings of the last one, so that islands which did not change then do not change now.
-bool ContactDynamics::sleepGoesOn(const cd::StepSettings& now) const
+bool ContactDynamics::sleepGoesOn(const cd::StepSettings<cd::Plane>& now) const
 {
 	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
 	    && now.allowedOverlap == last.allowedOverlap && now.restTolerance == last.restTolerance && now.reduce && now.solver.fixedIterations == 0

@@ -38,7 +38,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
     private:
 	double nextTolerance() const;
 	void noteUnrest(const cd::StepReport&);
-	cd::StepSettings settings(yade::Scene*) const;
+	cd::StepSettings<cd::Plane> settings(yade::Scene*) const;
 	PairValues pairValues() const;
 	PairValues readPairValues() const;
 	void recallRest();
@@ -49,9 +49,9 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void advance();
 	void repeatIdleStep(const Vector3r& weighs);
 	void takeOverlaps();
-	cd::StepReport solve(const Vector3r& weighs, const cd::StepSettings&);
-	void report(const cd::StepReport&, const cd::StepSettings&);
-	bool sleepGoesOn(const cd::StepSettings&) const;
+	cd::StepReport solve(const Vector3r& weighs, const cd::StepSettings<cd::Plane>&);
+	void report(const cd::StepReport&, const cd::StepSettings<cd::Plane>&);
+	bool sleepGoesOn(const cd::StepSettings<cd::Plane>&) const;
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength }, attributesLock }; }
 	bool checksOrder() const { return steps % 64 == 0; }
 	std::string unsolved() const;
@@ -65,12 +65,12 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 
 	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.
 	SceneLink link;
-	cd::TimeStep step;
+	cd::TimeStep<cd::Plane> step;
 	static std::atomic<ContactDynamics*> latest; // the engine that has made the last step
 	std::mutex stepping; // held during a step: O.pause() may return while the last step still runs
 	OtherEngines others;
 	bool warnedOfUnsolved = false, warnedOfUnsolvable = false, warnedOfLost = false, warnedOfSpeed = false;
-	cd::StepSettings last; // settings of the last step
+	cd::StepSettings<cd::Plane> last; // settings of the last step
 	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
 	bool moved = false; // the step under way has moved the bodies
 	long known = 0; // attributes set before the last step

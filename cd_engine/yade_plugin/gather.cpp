@@ -145,7 +145,7 @@ void SceneLink::takeReferences(const Memory& memory, bool all)
 }
 
 // read: whether the scene has been read; searched: whether the list of pairs is new; reordered: whether its order is new.
-void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read, bool searched, bool reordered, cd::Sleepers& sleepers)
+void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read, bool searched, bool reordered, cd::Sleepers<cd::Plane>& sleepers)
 {
 	// `listed` holds on to its interactions, so that a new one cannot get an old one's address.
 	bool taken = reordered || (read && (outdated || interactionsOf(scene) != listed));
@@ -192,7 +192,7 @@ cd::Carried SceneLink::readForce(std::size_t index, bool turned)
 
 // Reads the present force of every contact: three dependent look-ups in different memory lines, each prefetched before the next. A force that
 // somebody has changed wakes its island. Returns false if the bodies of an interaction were swapped since the pairs were made.
-bool SceneLink::readForces(cd::Sleepers* sleepers)
+bool SceneLink::readForces(cd::Sleepers<cd::Plane>* sleepers)
 {
 	constexpr std::size_t early = 12;
 	const std::size_t count = world.pairs.size();
@@ -281,8 +281,8 @@ void SceneLink::setFriction(cd::Threads& threads)
 	});
 }
 
-void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin, cd::TimeStep& step,
-    const std::vector<double>& outran)
+void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin,
+    cd::TimeStep<cd::Plane>& step, const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
 	for (const int id : driven) // all of them, since a refusal writes them back
@@ -323,7 +323,7 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)
 {
 	inspecting = true;
-	cd::TimeStep none;
+	cd::TimeStep<cd::Plane> none;
 	gather(scene, g, dt, memory, checksOrder, 0, none, {});
 }
 

@@ -6,15 +6,15 @@ namespace cd_engine {
 namespace {
 
 	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
-	py::tuple bodyArrays(const cd::ContactSystem& system)
+	py::tuple bodyArrays(const cd::ContactSystem<cd::Plane>& system)
 	{
 		std::vector<double> masses, velocities, normals, arms, bias, mu, impulses;
 		std::vector<int32_t> pairs;
-		for (const cd::BodyVelocity& b : system.bodies) {
+		for (const cd::BodyVelocity<cd::Plane>& b : system.bodies) {
 			masses.insert(masses.end(), b.w, b.w + 3);
 			velocities.insert(velocities.end(), b.v, b.v + 3);
 		}
-		for (const cd::ContactRow& c : system.contacts) {
+		for (const cd::ContactRow<cd::Plane>& c : system.contacts) {
 			if (!(c.wnn > 0))
 				continue;
 			pairs.insert(pairs.end(), { c.a, c.b });
@@ -39,7 +39,7 @@ py::tuple ContactDynamics::nextProblem()
 	}
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Whatever has a memory is a copy here: this engine and the scene do not change.
-	const cd::StepSettings settings = this->settings(now);
+	const cd::StepSettings<cd::Plane> settings = this->settings(now);
 	std::mutex alone;
 	std::vector<int> ids = referenceIds, order = bodyOrder;
 	std::vector<double> overlaps = referenceOverlaps;
@@ -50,7 +50,7 @@ py::tuple ContactDynamics::nextProblem()
 	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
 	if (handover)
 		copy.takeOverlaps();
-	cd::TimeStep next;
+	cd::TimeStep<cd::Plane> next;
 	return bodyArrays(next.assemble(copy.world, settings));
 }
 

@@ -44,7 +44,7 @@ double SceneLink::takeOverlaps()
 		const double share = overlap / world.bodyOf(pair.b).radius;
 		if (!(share <= worst.share))
 			worst = { &pair, share };
-		if (!(share <= unloaded.share) && !world.carried[&pair - world.pairs.data()].any())
+		if (!(share <= unloaded.share) && !world.carries(&pair - world.pairs.data()))
 			unloaded = { &pair, share };
 	}
 	const auto what = [](const Worst& of) {
@@ -65,7 +65,7 @@ double SceneLink::takeOverlaps()
 	return largest;
 }
 
-const cd::Pair& SceneLink::deepest(const cd::TimeStep& step) const
+const cd::Pair& SceneLink::deepest(const cd::TimeStep<cd::Plane>& step) const
 {
 	const std::vector<int32_t>& pairs = step.pairs();
 	const auto gap = [&](int32_t i) { return isGuided(world, world.pairs[i]) ? cd::endless : step.gapOf(world, i); };

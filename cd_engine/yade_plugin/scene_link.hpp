@@ -76,23 +76,23 @@ class SceneLink {
 	bool setValues(const PairValues&);
 	// Reads the scene, unless the scene is out of date. checksOrder: whether this step checks that the order of the bodies is still good.
 	// `margin`: the searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder, double margin, cd::TimeStep&,
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder, double margin, cd::TimeStep<cd::Plane>&,
 	    const std::vector<double>& outran);
 	// The same without changing the scene, and with only the permanent external forces. Needs a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder);
 	// Makes the overlaps present now the reference ones. Returns the largest one of two bodies of which one can move [m].
 	double takeOverlaps();
 	// Turns the bodies by a step of dt. From then on the scene is out of date, until it is published.
-	void finishStep(cd::TimeStep&, double dt);
+	void finishStep(cd::TimeStep<cd::Plane>&, double dt);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
-	void publish(yade::Scene*, cd::TimeStep&);
+	void publish(yade::Scene*, cd::TimeStep<cd::Plane>&);
 	// Writes positions and velocities of boundaries whose velocities others will set, and reads these before the next step.
 	void publishMotion(const std::vector<int>& ids);
 	bool areBoundaries(const std::vector<int>& ids) const;
 	bool cameIn(long step, int id) const { return bodies[id].came == step; }
 	// Like publish, without O.forces, if the scene is out of date. For a step that is given up.
-	void catchUp(yade::Scene*, cd::TimeStep&);
+	void catchUp(yade::Scene*, cd::TimeStep<cd::Plane>&);
 	// Writes positions and velocities only, if the scene is out of date; needs no memory.
 	void saveMotion();
 	// Its longestWay() tells how fast bodies are.
@@ -107,7 +107,7 @@ class SceneLink {
 	// Whether somebody moves a boundary by its position.
 	bool boundariesPlaced() const { return placesBoundaries; }
 	// The pair that overlapped most in a step, beyond its reference overlap. The step must have had contacts.
-	const cd::Pair& deepest(const cd::TimeStep&) const;
+	const cd::Pair& deepest(const cd::TimeStep<cd::Plane>&) const;
 	// If it is a disk behind a Wall that has only one side: a sentence for the user that says so. Else empty.
 	std::string behindWall(const cd::Pair&) const;
 
@@ -132,14 +132,14 @@ class SceneLink {
 	void readFriction(int id, void* mat);
 	void warnOfPlacing(int id, double x, double y, long step);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&) const;
-	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers&);
+	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers<cd::Plane>&);
 	void warnOfUnheldBoundaries(double dt);
 	void keepPairs();
 	void takePairs(yade::Scene*);
 	void forget(yade::Interaction*) const;
 	void turn(std::size_t pair) const;
 	void takeReferences(const Memory&, bool all);
-	bool readForces(cd::Sleepers*);
+	bool readForces(cd::Sleepers<cd::Plane>*);
 	cd::Carried readForce(std::size_t pair, bool turned);
 	void setFriction(cd::Threads&);
 	void setPairFriction();
@@ -147,7 +147,7 @@ class SceneLink {
 	void recycle(ForceObjects&&);
 	void makeReal(std::size_t pair);
 	void orient(int id);
-	void publishScene(yade::Scene*, const cd::TimeStep&);
+	void publishScene(yade::Scene*, const cd::TimeStep<cd::Plane>&);
 	void insert(yade::InteractionContainer&, std::size_t pair);
 	void eraseParted(yade::Scene*);
 	void writeContact(std::size_t pair, const cd::Touch&);

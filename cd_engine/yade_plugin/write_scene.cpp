@@ -133,7 +133,7 @@ void SceneLink::writeMotion(std::size_t id)
 
 // Applies the rotation of a step about the normal of the plane from the left. For the tiny rotations of quasi-static motion the first terms of the
 // series are exact.
-void SceneLink::finishStep(cd::TimeStep& step, double dt)
+void SceneLink::finishStep(cd::TimeStep<cd::Plane>& step, double dt)
 {
 	const auto turn = [&](std::size_t from, std::size_t to) {
 		bool all = true;
@@ -161,14 +161,14 @@ void SceneLink::finishStep(cd::TimeStep& step, double dt)
 	unpublished = true;
 }
 
-void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep& step)
+void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep<cd::Plane>& step)
 {
 	assert(interactions.size() == world.pairs.size() && objects.size() == world.pairs.size());
 	eraseParted(scene);
 	for (std::size_t i = 0; i < world.pairs.size(); i++) {
 		if (i + early < world.pairs.size())
 			prefetchContact(objects[i + early]);
-		if (world.carried[i].any()) {
+		if (world.carries(i)) {
 			if (!interactions[i])
 				insert(*scene_interactions(scene), i);
 			if (!objects[i].inUse())
@@ -208,7 +208,7 @@ void SceneLink::saveMotion()
 	}
 }
 
-void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
+void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep<cd::Plane>& step)
 {
 	if (!unpublished)
 		return;
@@ -216,7 +216,7 @@ void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep& step)
 	publishScene(scene, step);
 }
 
-void SceneLink::publish(yade::Scene* scene, cd::TimeStep& step)
+void SceneLink::publish(yade::Scene* scene, cd::TimeStep<cd::Plane>& step)
 {
 	assert(unpublished && lastDt > 0);
 	const auto& impulses = step.impulsesOn(world); // first, because it may find no memory

@@ -16,7 +16,7 @@ import pandas
 import pytest
 from PIL import Image
 
-from analysis import charts, publish, report, studies, style
+from analysis import charts, publish, report, studies, style, texts
 from analysis.charts import table
 from yade_scripts.results import reader
 from yade_scripts import parameters, results
@@ -42,21 +42,24 @@ def test_the_page_of_the_committed_run_is_one_command(root, tmp_path):
     text = html.unescape(page.read_text())
     absent = "; ".join(studies.module(name).TITLE for name in studies.names() if name not in PUBLISHED)  # while they are being written
     assert text.count("Not run yet") == (f"Not run yet: {absent}." in text) == bool(absent)
-    assert all(studies.module(name).TITLE in text for name in PUBLISHED)
+    manual = texts.ENGINE.read_text(encoding="utf-8")
+    assert all(studies.module(name).TITLE in (text if studies.module(name).PART in report.PARTS else manual) for name in PUBLISHED)
     changed = [studies.module(name).TITLE for name in studies.names() if name in REMADE_NEXT]
-    assert re.findall(r"<h2>([^<]*)</h2>(?:(?!<h2>).)*Its rows have changed since; the command makes the new ones", text, re.S) == changed
+    assert re.findall(r"<h2>([^<]*)</h2>(?:(?!<h2>).)*Its rows have changed since", text, re.S) == changed
     assert page.stat().st_size < 2e6 and text.count("<figure>") == text.count("<figure><a href=")  # every picture leads to the full one
 
 
 @pytest.mark.parametrize("name", ("fig4", "force_networks", "stiffness", "isostatic"))
 def test_the_colours_of_a_picture_survive_on_the_page(name):
     read = lambda file: np.asarray(Image.open(file).convert("RGB"), dtype=int)
-    shown = read(io.BytesIO(base64.b64decode(report._picture(FOLDER / f"{name}.png").split(",")[1])))
-    full = Image.open(FOLDER / f"{name}.png").convert("RGB").resize(shown.shape[1::-1], Image.LANCZOS)
+    figure = Image.open(FOLDER / f"{name}.png")
+    shown = read(io.BytesIO(base64.b64decode(report._figure(FOLDER / f"{name}.png")["picture"].split(",")[1])))
+    full = figure.convert("RGB").crop((0, 0, figure.width, figure.height - int(figure.info[style.FOOT])))
+    full = full.resize(shown.shape[1::-1], Image.LANCZOS)
     for colour in style.COLOUR.values():
         target = [int(colour[place:place + 2], 16) for place in (1, 3, 5)]
         pixels = np.abs(np.asarray(full, dtype=int) - target).max(axis=2) <= 2
-        assert pixels.sum() > 30 or name == "force_networks"  # there MD has two crosses only
+        assert pixels.sum() > 15 or name == "force_networks"  # there MD has two crosses only
         assert (np.abs(shown[pixels] - target) <= 16).all()
 
 

@@ -17,13 +17,13 @@ def springs(power, noise=0.0):
 
 
 def test_the_power_of_the_stiffness_is_told_from_that_of_the_load():
-    found, error = ratcheting.power(springs(-1.0), "rate")
-    assert found == pytest.approx(-1, abs=1e-10) and error == pytest.approx(0, abs=1e-10)  # round-off of a least-squares fit
+    found, error, slope = ratcheting.power(springs(-1.0), "rate")
+    assert found == pytest.approx(-1, abs=1e-10) and error == pytest.approx(0, abs=1e-10) and slope == pytest.approx(5)  # round-off of a least-squares fit
 
 
 def test_seeds_that_differ_in_their_power_give_its_standard_error():
     """With a power of its own for each seed the error is near that of the mean of six; by how much, the load's fit decides."""
-    found, error = ratcheting.power(springs(-1.0, 0.3), "rate")
+    found, error, _ = ratcheting.power(springs(-1.0, 0.3), "rate")
     expected = 0.3 * np.random.default_rng(1).standard_normal(6).std(ddof=1) / np.sqrt(6)
     assert 0.5 * expected < error < 2 * expected and abs(found + 1) < 4 * error
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pandas
 import pytest
 
 from analysis import publish, report, studies, summary
@@ -32,7 +33,7 @@ CD_ROW = studies.module("fig4").ROWS["quick"][1]
 
 def test_every_study_keeps_to_the_frame():
     for name in studies.names():
-        assert all(verdict in ("agrees", "agrees in part", "disagrees", "not decided") for _, _, _, verdict in studies.module(name).POINTS)
+        assert all(verdict in ("agrees", "agrees in part", "disagrees", "answered in part", "not decided") for _, _, _, verdict in studies.module(name).POINTS)
         for full in (False, True):
             assert studies.rows(name, full)
 
@@ -326,6 +327,14 @@ def test_laws_compare_on_the_same_packing(tmp_path):
     rows = module.summarize(runs)
     assert [row["strain over standard"] for row in rows] == [pytest.approx(ratio) for ratio in (1, 1.1, 3)]
     module.draw(runs, rows, tmp_path / "laws.png")
+
+
+def test_the_share_that_stands_falls_with_every_collapse():
+    runs = pandas.DataFrame({"collapses after": [2.0, np.nan, 4.0, 1.5], "stands": [np.nan, 80.0, np.nan, np.nan]})
+    cycles, share = collapse.survival(runs)
+    assert cycles.tolist() == [0.5, 1.5, 2, 4, 80] and share.tolist() == [1, 0.75, 0.5, 0.25, 0.25]
+    cycles, share = collapse.survival(runs.dropna(subset="collapses after"))
+    assert cycles[-1] == 4 and share[-1] == pytest.approx(0)
 
 
 def test_what_is_known_of_lives_that_end_with_the_run(tmp_path):

@@ -1,6 +1,7 @@
 """The common style of the figures: numbers on their axes, colours that can be told apart, and captions that say what was drawn."""
 import numpy as np
 import pytest
+from PIL import Image
 
 from analysis import style
 from tests.analysis.conftest import write
@@ -41,3 +42,12 @@ SWEPT = "; runs with a fixed number of sweeps have no tolerance"
 def test_a_caption_counts_missed_steps_only_of_runs_with_a_tolerance(tmp_path, sweeps, said):
     runs = [reader.load(write(tmp_path / f"{number}.h5", "CD", row=dict(fixed_iterations=count))) for number, count in enumerate(sweeps)]
     assert style.source(runs).split("YADE 2023.02a")[1] == said
+
+
+def test_the_file_of_a_figure_holds_its_caption_and_how_high_it_is(tmp_path):
+    fig, _ = style.plt.subplots()
+    style.finish(fig, tmp_path / "figure.png", "what it shows", "where it comes from")
+    with Image.open(tmp_path / "figure.png") as image:
+        assert image.info[style.CAPTION] == "what it shows" and image.info["Description"] == "where it comes from"
+        foot = np.asarray(image.convert("L"))[-int(image.info[style.FOOT]):]
+    assert (foot[:3] == 255).all() and (foot < 128).any()

@@ -36,11 +36,18 @@ def test_a_text_that_fails_costs_the_page_no_other(monkeypatch, tmp_path):
     assert "Left out: tolerance: its text cannot be written" in page and studies.module("fig4").TITLE in page
 
 
-def test_every_process_has_a_cell():
-    assert all(len(cells) == len(texts.PROCESSES) for cells in texts.causes()[1].values())
+def test_every_cell_of_the_table_of_causes_holds_a_number_or_a_dash():
+    _, headings, causes = texts.causes()
+    assert causes and all(len(cells) == len(headings) for cells in causes.values())
+    assert all(cell == "-" or cell[0].isdigit() for cells in causes.values() for cell in cells)
 
 
 def test_lines_are_wrapped_and_lists_stay_lists():
     words = " ".join(["word"] * 40)
     assert texts.wrap(f"{words}\n\n- {words}\n- b") == "\n".join((
         " ".join(["word"] * 30), " ".join(["word"] * 10), "", "- " + " ".join(["word"] * 29), "  " + " ".join(["word"] * 11), "- b"))
+
+
+def test_rows_of_tables_are_not_wrapped():
+    row = "| " + " ".join(["word"] * 40) + " |"
+    assert texts.wrap(f"word\nword\n{row}\n{row}") == f"word word\n{row}\n{row}"

@@ -21,21 +21,21 @@ inline SolverSettings to(double tolerance, int maxIterations = 20000)
 }
 
 // Three numbers a body.
-inline std::vector<double> velocitiesOf(const ContactSystem& s)
+inline std::vector<double> velocitiesOf(const ContactSystem<Plane>& s)
 {
 	std::vector<double> v;
-	for (const BodyVelocity& b : s.bodies)
+	for (const BodyVelocity<Plane>& b : s.bodies)
 		v.insert(v.end(), b.v, b.v + 3);
 	return v;
 }
 
 // A disk of radius 1 m.
-inline BodyVelocity disk(double mass, double vx = 0, double vy = 0) { return { { vx, vy, 0 }, 0, { 1 / mass, 1 / mass, 2 / mass }, 0 }; }
+inline BodyVelocity<Plane> disk(double mass, double vx = 0, double vy = 0) { return { { vx, vy, 0 }, 0, { 1 / mass, 1 / mass, 2 / mass }, 0 }; }
 
 // The contact of two such disks.
-inline ContactRow contact(int a, int b, double nx, double ny, double mu)
+inline ContactRow<Plane> contact(int a, int b, double nx, double ny, double mu)
 {
-	ContactRow c;
+	ContactRow<Plane> c;
 	c.a = a;
 	c.b = b;
 	c.nx = nx;
@@ -47,26 +47,28 @@ inline ContactRow contact(int a, int b, double nx, double ny, double mu)
 }
 
 // The same problem given by its matrix. Row by row: W is symmetric, and unit impulses on a contact cause the velocities of its column.
-inline DelassusSystem matrixOf(const ContactSystem& system)
+inline DelassusSystem matrixOf(const ContactSystem<Plane>& system)
 {
-	std::vector<ContactRow> rows;
-	for (const ContactRow& c : system.contacts)
+	std::vector<ContactRow<Plane>> rows;
+	for (const ContactRow<Plane>& c : system.contacts)
 		if (c.wnn > 0)
 			rows.push_back(c);
-	std::vector<BodyVelocity> bodies = system.bodies;
-	for (BodyVelocity& b : bodies)
+	std::vector<BodyVelocity<Plane>> bodies = system.bodies;
+	for (BodyVelocity<Plane>& b : bodies)
 		std::fill_n(b.v, 3, 0.);
-	const std::vector<BodyVelocity> still = bodies;
+	const std::vector<BodyVelocity<Plane>> still = bodies;
 	DelassusSystem d;
 	d.start.push_back(0);
 	for (std::size_t i = 0; i < rows.size(); i++) {
-		const ContactRow& own = rows[i];
+		const ContactRow<Plane>& own = rows[i];
 		std::vector<Block> row(rows.size());
 		for (const int k : { 0, 1 }) {
-			applyImpulse(own, bodies[own.a], bodies[own.b], 1 - k, k);
+			applyImpulse(own, bodies[own.a], bodies[own.b], { 1. - k, 1. * k });
 			for (std::size_t j = 0; j < rows.size(); j++) {
 				Block& w = row[j];
-				relativeVelocity(rows[j], bodies[rows[j].a], bodies[rows[j].b], k == 0 ? w.nn : w.tn, k == 0 ? w.nt : w.tt);
+				const auto [un, ut] = relativeVelocity(rows[j], bodies[rows[j].a], bodies[rows[j].b]);
+				(k == 0 ? w.nn : w.tn) = un;
+				(k == 0 ? w.nt : w.tt) = ut;
 			}
 			bodies[own.a] = still[own.a];
 			bodies[own.b] = still[own.b];
@@ -80,8 +82,7 @@ inline DelassusSystem matrixOf(const ContactSystem& system)
 			d.blocks.push_back(row[j]);
 		}
 		d.start.push_back(d.blocks.size());
-		double un, ut;
-		relativeVelocity(own, system.bodies[own.a], system.bodies[own.b], un, ut);
+		const auto [un, ut] = relativeVelocity(own, system.bodies[own.a], system.bodies[own.b]);
 		d.q.insert(d.q.end(), { un + own.bias, ut });
 		d.mu.push_back(own.mu);
 		d.p.insert(d.p.end(), { own.pn, own.pt });
@@ -91,11 +92,11 @@ inline DelassusSystem matrixOf(const ContactSystem& system)
 
 // Disks of unit radius in a triangular lattice on a floor between two walls, under gravity: hyperstatic. Masses are drawn over `ratio`, or,
 // for a pile, are `ratio` in the upper half.
-inline ContactSystem lattice(int rows, double mu, double ratio = 1, bool pile = false)
+inline ContactSystem<Plane> lattice(int rows, double mu, double ratio = 1, bool pile = false)
 {
 	std::mt19937 random(4);
 	std::uniform_real_distribution<double> unit(0, 1);
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	const int n = rows * rows;
 	for (int i = 0; i < n; i++)
 		s.bodies.push_back(disk(pile ? (i / rows >= rows / 2 ? ratio : 1) : std::pow(ratio, unit(random)), 0, -0.01));
@@ -123,9 +124,9 @@ inline ContactSystem lattice(int rows, double mu, double ratio = 1, bool pile = 
 }
 
 // Disks of mass 1 in a row between two walls that close in on them at 1 m/s each; the first and last body are the walls.
-inline ContactSystem squeezed(int disks, double mu)
+inline ContactSystem<Plane> squeezed(int disks, double mu)
 {
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	s.bodies.assign(static_cast<std::size_t>(disks) + 2, disk(1));
 	s.bodies.front() = { { 1, 0, 0 }, 0, {}, 0 };
 	s.bodies.back() = { { -1, 0, 0 }, 0, {}, 0 };
@@ -136,14 +137,14 @@ inline ContactSystem squeezed(int disks, double mu)
 }
 
 // A column or random heap of bodies in contact by random directions; body 0 is immobile. general: bodies whose contacts couple the two directions.
-inline ContactSystem column(unsigned seed, int bodies, int contacts, double mu, bool general)
+inline ContactSystem<Plane> column(unsigned seed, int bodies, int contacts, double mu, bool general)
 {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<double> unit(0, 1);
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	s.bodies.resize(bodies);
 	for (int i = 1; i < bodies; i++) {
-		BodyVelocity& b = s.bodies[i];
+		BodyVelocity<Plane>& b = s.bodies[i];
 		b.w[0] = b.w[1] = 0.5 + unit(random);
 		b.w[2] = 2 + unit(random);
 		b.v[0] = unit(random) - 0.5;
@@ -152,7 +153,7 @@ inline ContactSystem column(unsigned seed, int bodies, int contacts, double mu, 
 	for (int k = 0; k < contacts; k++) {
 		const int b = 1 + k % (bodies - 1), a = std::max(0, b - 1 - k / (bodies - 1) % b);
 		const double angle = 1.57 + 1.2 * (unit(random) - 0.5);
-		ContactRow c = contact(a, b, std::cos(angle), std::sin(angle), mu);
+		ContactRow<Plane> c = contact(a, b, std::cos(angle), std::sin(angle), mu);
 		if (general) {
 			c.an = unit(random) - 0.5;
 			c.bn = unit(random) - 0.5;
@@ -166,18 +167,18 @@ inline ContactSystem column(unsigned seed, int bodies, int contacts, double mu, 
 
 // Disks of spread masses on a floor, each in contact with some before it; a loaded wall with one freedom, and where `general` bodies
 // whose contacts couple the two directions. Body 0 is immobile, body 1 the wall.
-inline ContactSystem heap(unsigned seed, int contacts, double mu, bool general)
+inline ContactSystem<Plane> heap(unsigned seed, int contacts, double mu, bool general)
 {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<double> unit(0, 1);
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	const int bodies = 3 + contacts / 2;
 	s.bodies.resize(bodies);
 	s.bodies[1].w[0] = 0.3;
 	s.bodies[1].v[0] = 0.2;
 	std::vector<double> radius(bodies);
 	for (int i = 2; i < bodies; i++) {
-		BodyVelocity& b = s.bodies[i];
+		BodyVelocity<Plane>& b = s.bodies[i];
 		radius[i] = 0.3 + unit(random);
 		const double mass = 3 * radius[i] * radius[i];
 		b.w[0] = b.w[1] = 1 / mass;
@@ -188,7 +189,7 @@ inline ContactSystem heap(unsigned seed, int contacts, double mu, bool general)
 	for (int k = 0; k < contacts; k++) {
 		const int b = 2 + k % (bodies - 2), a = std::max(0, b - 1 - static_cast<int>(6 * unit(random)));
 		const double angle = a == 1 ? 0 : 1.57 + 2 * (unit(random) - 0.5);
-		ContactRow c = contact(a, b, std::cos(angle), std::sin(angle), mu);
+		ContactRow<Plane> c = contact(a, b, std::cos(angle), std::sin(angle), mu);
 		c.at = radius[a];
 		c.bt = -radius[b];
 		if (general && k % 5 == 0)

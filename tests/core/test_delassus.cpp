@@ -11,7 +11,7 @@ TEST_CASE("both forms of a problem have one error and, solved, one solution")
 {
 	for (const std::string& method : solverNames())
 		for (const double mu : { 0., 0.4 }) {
-			ContactSystem s = tests::column(5, 9, 8, mu, true);
+			ContactSystem<Plane> s = tests::column(5, 9, 8, mu, true);
 			const std::vector<double> free = tests::velocitiesOf(s);
 			DelassusSystem d = tests::matrixOf(s);
 			const SolverSettings settings = tests::to(1e-12, 200000);

@@ -210,7 +210,7 @@ TEST_CASE("every case of the local problem, wedging and singular ones among them
 
 TEST_CASE("every processor gives the same bits of the matrix form, and memory left by another problem does not show")
 {
-	const GroupKernel& usual = groupKernel();
+	const GroupKernel<Plane>& usual = groupKernel<Plane>();
 	Workspace memory;
 	for (const int contacts : { 0, 1, 7, 8, 9, 64, 1000 })
 		for (const double mu : { 0., 0.5 })
@@ -227,7 +227,7 @@ TEST_CASE("every processor gives the same bits of the matrix form, and memory le
 						settings.maxIterations = 60;
 						DelassusSystem first = start;
 						const SolverReport expected = findDelassusSolver(method)(first, settings);
-						for (const GroupKernel& kernel : groupKernels()) {
+						for (const GroupKernel<Plane>& kernel : groupKernels<Plane>()) {
 							CAPTURE(kernel.name);
 							useGroupKernel(kernel);
 							DelassusSystem other = start;

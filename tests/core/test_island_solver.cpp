@@ -17,27 +17,27 @@ namespace {
 constexpr double weight = 9.81e-3; // impulse of gravity on 1 kg in a step of 1 ms [N s]
 
 // Body 0 is a fixed floor.
-ContactSystem floorOnly()
+ContactSystem<Plane> floorOnly()
 {
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	s.bodies.resize(1);
 	return s;
 }
 
-int32_t addDisk(ContactSystem& s, double mass, double vx = 0)
+int32_t addDisk(ContactSystem<Plane>& s, double mass, double vx = 0)
 {
 	s.bodies.push_back(tests::disk(mass, vx, -weight));
 	return static_cast<int32_t>(s.bodies.size()) - 1;
 }
 
-void addContact(ContactSystem& s, int32_t a, int32_t b, double mu, double angle = M_PI / 2)
+void addContact(ContactSystem<Plane>& s, int32_t a, int32_t b, double mu, double angle = M_PI / 2)
 {
 	s.contacts.push_back(tests::contact(a, b, std::cos(angle), std::sin(angle), mu));
 	s.assembleBlocks();
 }
 
 // Disks one on the other on the floor; the impulse between number i and i + 1 is the weight of what is above.
-void addStack(ContactSystem& s, int disks, double mass)
+void addStack(ContactSystem<Plane>& s, int disks, double mass)
 {
 	int32_t below = 0;
 	for (int i = 0; i < disks; i++) {
@@ -48,7 +48,7 @@ void addStack(ContactSystem& s, int disks, double mass)
 }
 
 // A disk that slides over the floor, and one that flies free.
-void addLoneDisks(ContactSystem& s)
+void addLoneDisks(ContactSystem<Plane>& s)
 {
 	addContact(s, 0, addDisk(s, 2, 1), 0.3);
 	addDisk(s, 1);
@@ -63,11 +63,11 @@ double largestDifference(const std::vector<double>& a, const std::vector<double>
 }
 
 // Heaps of disks, each standing on those before it, with as many contacts as a packing has.
-ContactSystem heaps(int count, int disks, unsigned seed)
+ContactSystem<Plane> heaps(int count, int disks, unsigned seed)
 {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<double> unit(0, 1);
-	ContactSystem s = floorOnly();
+	ContactSystem<Plane> s = floorOnly();
 	for (int k = 0; k < count; k++) {
 		const int32_t first = static_cast<int32_t>(s.bodies.size());
 		for (int i = 0; i < disks; i++) {
@@ -84,7 +84,7 @@ ContactSystem heaps(int count, int disks, unsigned seed)
 TEST_CASE("islands are joined by bodies that can move, not by those that cannot")
 {
 	for (const bool wallMoves : { false, true }) {
-		ContactSystem s = floorOnly();
+		ContactSystem<Plane> s = floorOnly();
 		addStack(s, 3, 1);
 		addStack(s, 4, 1);
 		addLoneDisks(s);
@@ -94,7 +94,7 @@ TEST_CASE("islands are joined by bodies that can move, not by those that cannot"
 		s.bodies[wall].v[0] = 0.1; // whether it can move or has to
 		for (const int32_t disk : { 1, 4 })
 			addContact(s, wall, disk, 0, 0);
-		IslandSolver solve;
+		IslandSolver<Plane> solve;
 		Effort effort;
 		solve(s, nsgs, to(1e-12), effort);
 		CHECK(effort.islands == (wallMoves ? 2 : 3));
@@ -108,13 +108,13 @@ TEST_CASE("islands are joined by bodies that can move, not by those that cannot"
 TEST_CASE("stacks of masses far apart are each solved to the tolerance, apart or together")
 {
 	const auto build = [] {
-		ContactSystem s = floorOnly();
+		ContactSystem<Plane> s = floorOnly();
 		addStack(s, 10, 1e-5);
 		addStack(s, 10, 1);
 		addLoneDisks(s);
 		return s;
 	};
-	const auto sandError = [](const ContactSystem& s) {
+	const auto sandError = [](const ContactSystem<Plane>& s) {
 		double difference = 0, square = 0;
 		for (int i = 0; i < 10; i++) {
 			const double exact = 1e-5 * weight * (10 - i);
@@ -123,13 +123,13 @@ TEST_CASE("stacks of masses far apart are each solved to the tolerance, apart or
 		}
 		return std::sqrt(difference / square);
 	};
-	for (const Solver method : { Solver(nsgs), Solver(accelerated) }) {
-		ContactSystem parted = build(), whole = build();
+	for (const Solver<Plane> method : { Solver<Plane>(nsgs), Solver<Plane>(accelerated) }) {
+		ContactSystem<Plane> parted = build(), whole = build();
 		// The small stack comes first in the sweeps and last in the error: given no time, it does not get any.
 		for (int i = 10; i < 20; i++)
-			for (ContactSystem* s : { &parted, &whole })
+			for (ContactSystem<Plane>* s : { &parted, &whole })
 				s->contacts[i].pn = weight * (20 - i);
-		IslandSolver solve;
+		IslandSolver<Plane> solve;
 		Effort effort;
 		const SolverReport report = solve(parted, method, to(1e-4), effort);
 		CHECK(report.status == Status::converged);
@@ -146,22 +146,22 @@ TEST_CASE("stacks of masses far apart are each solved to the tolerance, apart or
 
 TEST_CASE("one island gets the bits of the solver, with lone contacts that carry nothing and bodies that touch nothing as without")
 {
-	for (const Solver method : { Solver(nsgs), Solver(accelerated) })
+	for (const Solver<Plane> method : { Solver<Plane>(nsgs), Solver<Plane>(accelerated) })
 		for (const bool others : { false, true }) {
-			ContactSystem direct = heaps(1, 60, 3);
+			ContactSystem<Plane> direct = heaps(1, 60, 3);
 			if (others) {
 				addLoneDisks(direct);
 				direct.contacts.back().bias = 1; // not reached in the step
 			}
-			ContactSystem parted = direct;
+			ContactSystem<Plane> parted = direct;
 			const SolverReport expected = method(direct, to(1e-8));
-			IslandSolver solve;
+			IslandSolver<Plane> solve;
 			Effort effort;
 			const SolverReport report = solve(parted, method, to(1e-8), effort);
 			CHECK(effort.islands == 1 + others);
 			CHECK(report.iterations == expected.iterations);
 			CHECK(report.residual == expected.residual);
-			CHECK(std::memcmp(parted.bodies.data(), direct.bodies.data(), sizeof(BodyVelocity) * direct.bodies.size()) == 0);
+			CHECK(std::memcmp(parted.bodies.data(), direct.bodies.data(), sizeof(BodyVelocity<Plane>) * direct.bodies.size()) == 0);
 			for (std::size_t i = 0; i < direct.contacts.size(); i++)
 				CHECK(std::memcmp(&parted.contacts[i].pn, &direct.contacts[i].pn, 2 * sizeof(double)) == 0);
 		}
@@ -171,13 +171,13 @@ TEST_CASE("one island gets the bits of the solver, with lone contacts that carry
 // 0.1 N s on 1 kg.
 TEST_CASE("many islands move as the whole moves, by an error no larger")
 {
-	for (const Solver method : { Solver(nsgs), Solver(accelerated) }) {
-		ContactSystem whole = heaps(12, 15, 5), parted = whole;
+	for (const Solver<Plane> method : { Solver<Plane>(nsgs), Solver<Plane>(accelerated) }) {
+		ContactSystem<Plane> whole = heaps(12, 15, 5), parted = whole;
 		addLoneDisks(whole);
 		addLoneDisks(parted);
 		const std::vector<double> free = velocitiesOf(parted);
 		const SolverSettings settings = to(1e-10, 100000);
-		IslandSolver solve;
+		IslandSolver<Plane> solve;
 		Effort effort;
 		const SolverReport report = solve(parted, method, settings, effort);
 		CHECK(effort.islands >= 12);
@@ -192,11 +192,11 @@ TEST_CASE("many islands move as the whole moves, by an error no larger")
 
 TEST_CASE("what is at rest already is left as it is, without a sweep and without a memory of how it got there")
 {
-	ContactSystem s = heaps(1, 40, 7);
+	ContactSystem<Plane> s = heaps(1, 40, 7);
 	addStack(s, 5, 1);
 	addLoneDisks(s);
 	const std::vector<double> free = velocitiesOf(s);
-	IslandSolver solve, fresh;
+	IslandSolver<Plane> solve, fresh;
 	Effort effort;
 	solve(s, nsgs, to(1e-6), effort);
 	CHECK(effort.resting == 0);
@@ -206,12 +206,12 @@ TEST_CASE("what is at rest already is left as it is, without a sweep and without
 			std::copy_n(&free[3 * i], 3, s.bodies[i].v);
 	};
 	again();
-	ContactSystem other = s;
+	ContactSystem<Plane> other = s;
 	const SolverReport report = solve(s, nsgs, to(1e-6), effort);
 	CHECK(report.iterations == 0);
 	CHECK(effort.resting == islands);
 	fresh(other, nsgs, to(1e-6), effort);
-	CHECK(std::memcmp(s.bodies.data(), other.bodies.data(), sizeof(BodyVelocity) * s.bodies.size()) == 0);
+	CHECK(std::memcmp(s.bodies.data(), other.bodies.data(), sizeof(BodyVelocity<Plane>) * s.bodies.size()) == 0);
 	// Only the one that is disturbed is solved anew.
 	again();
 	s.bodies[s.contacts.back().b].v[0] = 2; // the lone disk slides faster; that changes no impulse
@@ -222,22 +222,22 @@ TEST_CASE("what is at rest already is left as it is, without a sweep and without
 
 TEST_CASE("what could not be solved says so, and what was asked for as a whole is not parted")
 {
-	ContactSystem s = heaps(3, 20, 9);
-	IslandSolver solve;
+	ContactSystem<Plane> s = heaps(3, 20, 9);
+	IslandSolver<Plane> solve;
 	Effort effort;
 	SolverSettings settings = to(1e-12, 3);
-	ContactSystem hasty = s;
+	ContactSystem<Plane> hasty = s;
 	CHECK(solve(hasty, nsgs, settings, effort).status == Status::max_iterations);
 	settings.fixedIterations = 4;
-	ContactSystem fixed = s, direct = s;
+	ContactSystem<Plane> fixed = s, direct = s;
 	CHECK(solve(fixed, nsgs, settings, effort).iterations == 4);
 	CHECK(effort.islands == 1);
 	nsgs(direct, settings);
-	CHECK(std::memcmp(fixed.bodies.data(), direct.bodies.data(), sizeof(BodyVelocity) * direct.bodies.size()) == 0);
-	ContactSystem broken = s;
+	CHECK(std::memcmp(fixed.bodies.data(), direct.bodies.data(), sizeof(BodyVelocity<Plane>) * direct.bodies.size()) == 0);
+	ContactSystem<Plane> broken = s;
 	broken.bodies[30].v[0] = std::nan("");
 	CHECK(solve(broken, nsgs, to(1e-6), effort).status == Status::diverged);
-	ContactSystem empty = floorOnly();
+	ContactSystem<Plane> empty = floorOnly();
 	addDisk(empty, 1);
 	const SolverReport report = solve(empty, nsgs, to(1e-6), effort);
 	CHECK(report.status == Status::converged);

@@ -10,12 +10,12 @@ using namespace cd;
 
 TEST_CASE("a time step asks for no memory once its sizes have settled, be it solved as a whole or by islands")
 {
-	for (const Solver method : { Solver(nsgs), Solver(accelerated) })
+	for (const Solver<Plane> method : { Solver<Plane>(nsgs), Solver<Plane>(accelerated) })
 		for (const bool reduce : { false, true }) {
 			World w = tests::flow(20, 5);
 			w.bodies[0].inverseMass[1] = 0; // a floor, which parts islands
-			TimeStep step;
-			StepSettings settings;
+			TimeStep<Plane> step;
+			StepSettings<Plane> settings;
 			settings.dt = 1e-3;
 			settings.solve = method;
 			settings.reduce = reduce;

@@ -16,14 +16,14 @@ using tests::to;
 
 namespace {
 
-const Solver solvers[] = { newton, automatic };
+const Solver<Plane> solvers[] = { newton, automatic };
 
-double errorOf(const ContactSystem& solved, const ContactSystem& given) { return residual(solved, tests::velocitiesOf(given)).error(); }
+double errorOf(const ContactSystem<Plane>& solved, const ContactSystem<Plane>& given) { return residual(solved, tests::velocitiesOf(given)).error(); }
 
 // A disk of unit mass and radius on an immobile floor, at free velocity (vx, vy, 0).
-ContactSystem diskOnFloor(double mu, double vx, double vy)
+ContactSystem<Plane> diskOnFloor(double mu, double vx, double vy)
 {
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	s.bodies = { {}, disk(1, vx, vy) };
 	s.contacts.push_back(contact(0, 1, 0, 1, mu));
 	s.assembleBlocks();
@@ -34,9 +34,9 @@ ContactSystem diskOnFloor(double mu, double vx, double vy)
 
 TEST_CASE("newton, auto: one disk on a floor in each of its states")
 {
-	for (const Solver solver : solvers) {
+	for (const Solver<Plane> solver : solvers) {
 		// 1e-12: the tolerance asked for.
-		ContactSystem s = diskOnFloor(0.3, 1, 0.5); // leaves
+		ContactSystem<Plane> s = diskOnFloor(0.3, 1, 0.5); // leaves
 		CHECK(solver(s, to(1e-12)).status == Status::converged);
 		CHECK(s.contacts[0].pn == 0);
 		s = diskOnFloor(0.3, 0.6, -1); // p_t = -v_x/W_tt = -0.2 would stop it: rolls
@@ -54,7 +54,7 @@ TEST_CASE("newton, auto: one disk on a floor in each of its states")
 TEST_CASE("newton: a determinate column is solved by factorizations, as by plain sweeps")
 {
 	// A column of ten disks, each carrying those above: p_n = (10 - i) m g h. Sweeps need hundreds.
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	s.bodies.resize(1);
 	for (int i = 0; i < 10; i++) {
 		s.bodies.push_back(disk(1, 0, -0.01));
@@ -75,8 +75,8 @@ TEST_CASE("newton: a determinate column is solved by factorizations, as by plain
 TEST_CASE("newton: velocities are those of plain sweeps to 1e-10, at which impulses may differ")
 {
 	for (const double mu : { 0., 0.1, 0.5 }) {
-		const ContactSystem given = lattice(6, mu);
-		ContactSystem a = given, b = given;
+		const ContactSystem<Plane> given = lattice(6, mu);
+		ContactSystem<Plane> a = given, b = given;
 		DelassusSystem d = matrixOf(given);
 		REQUIRE(newton(a, to(1e-10)).status == Status::converged);
 		REQUIRE(newton(d, to(1e-10)).status == Status::converged);
@@ -93,8 +93,8 @@ TEST_CASE("newton: velocities are those of plain sweeps to 1e-10, at which impul
 TEST_CASE("newton solves where sweeps stagnate: a heavy load on light disks; auto finds that out")
 {
 	for (const double mu : { 0.3, 0.5 }) {
-		const ContactSystem given = lattice(10, mu, 1e5, true);
-		ContactSystem a = given, n = given, both = given;
+		const ContactSystem<Plane> given = lattice(10, mu, 1e5, true);
+		ContactSystem<Plane> a = given, n = given, both = given;
 		CAPTURE(mu);
 		const SolverReport ra = accelerated(a, to(1e-8, 5000));
 		REQUIRE(ra.status != Status::converged);
@@ -112,7 +112,7 @@ TEST_CASE("newton solves where sweeps stagnate: a heavy load on light disks; aut
 
 TEST_CASE("auto: where Newton's method ends by its limit of operations, plain sweeps use the iterations that it leaves")
 {
-	ContactSystem s = lattice(20, 0.3, 1e6, true); // Newton's method gets through some 400 of its 3000 steps
+	ContactSystem<Plane> s = lattice(20, 0.3, 1e6, true); // Newton's method gets through some 400 of its 3000 steps
 	const SolverReport report = findSolver("auto")(s, to(1e-12));
 	CHECK(report.factorizations > 0);
 	CHECK(report.factorizations < 3000);
@@ -122,9 +122,9 @@ TEST_CASE("auto: where Newton's method ends by its limit of operations, plain sw
 
 TEST_CASE("newton, auto: the same bits each time; the error is never larger than that of sweeps alone")
 {
-	for (const ContactSystem& given : { lattice(8, 0.5, 1e6), lattice(8, 0.8, 1e6), lattice(8, 0.5, 1e6, true) }) {
-		for (const Solver solver : solvers) {
-			ContactSystem a = given, b = given;
+	for (const ContactSystem<Plane>& given : { lattice(8, 0.5, 1e6), lattice(8, 0.8, 1e6), lattice(8, 0.5, 1e6, true) }) {
+		for (const Solver<Plane> solver : solvers) {
+			ContactSystem<Plane> a = given, b = given;
 			const SolverReport ra = solver(a, to(1e-9, 3000)), rb = solver(b, to(1e-9, 3000));
 			CHECK(ra.factorizations > 0);
 			CHECK(ra.iterations == rb.iterations);
@@ -133,7 +133,7 @@ TEST_CASE("newton, auto: the same bits each time; the error is never larger than
 				CHECK(a.contacts[i].pt == b.contacts[i].pt);
 			}
 		}
-		ContactSystem sweeps = given, both = given;
+		ContactSystem<Plane> sweeps = given, both = given;
 		CHECK(automatic(both, to(1e-9, 3000)).error < accelerated(sweeps, to(1e-9, 2500)).error); // 2500: what auto leaves to sweeps
 	}
 }
@@ -147,16 +147,16 @@ TEST_CASE("newton solves lattices with gaps from forces out of balance, as sweep
 		unsigned seed;
 	} cases[] = { { 6, 0.5, 1 }, { 6, 0.5, 2 }, { 10, 0.5, 1 }, { 8, 0.5, 2 } };
 	for (const auto& made : cases) {
-		ContactSystem given = lattice(made.rows, made.mu);
+		ContactSystem<Plane> given = lattice(made.rows, made.mu);
 		std::mt19937 random(made.seed);
 		std::uniform_real_distribution<double> unit(0, 1);
-		for (ContactRow& c : given.contacts) {
+		for (ContactRow<Plane>& c : given.contacts) {
 			if (unit(random) < 0.15)
 				c.bias = 0.002 * unit(random);
 			c.pn = 0.01 * made.rows * unit(random);
 			c.pt = c.mu * c.pn * (2 * unit(random) - 1);
 		}
-		ContactSystem s = given, sweeps = given, both = given;
+		ContactSystem<Plane> s = given, sweeps = given, both = given;
 		CAPTURE(made.rows);
 		CAPTURE(made.seed);
 		CHECK(newton(s, to(1e-9, 3000)).status == Status::converged);
@@ -170,7 +170,7 @@ TEST_CASE("newton solves lattices with gaps from forces out of balance, as sweep
 
 TEST_CASE("auto: what sweeps solve is theirs to the last bit; fixed sweeps are plain")
 {
-	ContactSystem a = lattice(6, 0.3), b = a, c = a;
+	ContactSystem<Plane> a = lattice(6, 0.3), b = a, c = a;
 	const SolverReport ra = accelerated(a, to(1e-8)), rb = automatic(b, to(1e-8));
 	CHECK(ra.iterations == rb.iterations);
 	CHECK(solvedBy("auto", rb) == "accelerated");
@@ -178,8 +178,8 @@ TEST_CASE("auto: what sweeps solve is theirs to the last bit; fixed sweeps are p
 		CHECK(a.contacts[i].pn == b.contacts[i].pn);
 	SolverSettings fixed;
 	fixed.fixedIterations = 7;
-	ContactSystem d = c;
-	for (const Solver solver : solvers) {
+	ContactSystem<Plane> d = c;
+	for (const Solver<Plane> solver : solvers) {
 		c = d;
 		CHECK(solver(c, fixed).status == Status::fixed_iterations);
 		CHECK(solver(c, fixed).iterations == 7);
@@ -188,10 +188,10 @@ TEST_CASE("auto: what sweeps solve is theirs to the last bit; fixed sweeps are p
 
 TEST_CASE("newton, auto: out of iterations, the best iterate is kept, with its velocities")
 {
-	const ContactSystem given = lattice(10, 0.5, 1e6);
+	const ContactSystem<Plane> given = lattice(10, 0.5, 1e6);
 	for (const int most : { 2, 50, 505, 520, 600 })
-		for (const Solver solver : solvers) {
-			ContactSystem a = given, s = given;
+		for (const Solver<Plane> solver : solvers) {
+			ContactSystem<Plane> a = given, s = given;
 			CAPTURE(most);
 			const SolverReport sweeps = accelerated(a, to(1e-12, most));
 			const SolverReport r = solver(s, to(1e-12, most));
@@ -200,14 +200,14 @@ TEST_CASE("newton, auto: out of iterations, the best iterate is kept, with its v
 			CHECK(solvedBy("newton", r) == "none");
 			CHECK(errorOf(s, given) == doctest::Approx(r.error).epsilon(1e-12)); // sums in another order
 			if (most > 500 && solver == solvers[0]) {
-				ContactSystem start = given;
+				ContactSystem<Plane> start = given;
 				CHECK(r.error <= accelerated(start, to(1e-3, 500)).error);
 			}
 			if (r.factorizations == 0)
 				CHECK(r.iterations <= sweeps.iterations);
-			std::vector<BodyVelocity> expected = given.bodies;
-			for (const ContactRow& c : s.contacts)
-				applyImpulse(c, expected[static_cast<std::size_t>(c.a)], expected[static_cast<std::size_t>(c.b)], c.pn, c.pt);
+			std::vector<BodyVelocity<Plane>> expected = given.bodies;
+			for (const ContactRow<Plane>& c : s.contacts)
+				applyImpulse(c, expected[static_cast<std::size_t>(c.a)], expected[static_cast<std::size_t>(c.b)], impulseOf(c));
 			for (std::size_t i = 0; i < expected.size(); i++)
 				CHECK(s.bodies[i].v[1] == doctest::Approx(expected[i].v[1]).epsilon(1e-12));
 		}
@@ -216,27 +216,27 @@ TEST_CASE("newton, auto: out of iterations, the best iterate is kept, with its v
 TEST_CASE("newton, auto: nothing to solve, nothing solvable, numbers that are none")
 {
 	for (const std::string name : { "newton", "auto" }) {
-		const Solver solver = name == "newton" ? solvers[0] : solvers[1];
-		ContactSystem none;
+		const Solver<Plane> solver = name == "newton" ? solvers[0] : solvers[1];
+		ContactSystem<Plane> none;
 		CHECK(solver(none, to(1e-8)).status == Status::converged);
 		none = lattice(3, 0.3); // all open
-		for (BodyVelocity& b : none.bodies)
+		for (BodyVelocity<Plane>& b : none.bodies)
 			b.v[1] = 0;
-		for (ContactRow& c : none.contacts)
+		for (ContactRow<Plane>& c : none.contacts)
 			c.bias = 1;
 		CHECK(solver(none, to(1e-8)).status == Status::converged);
-		CHECK(std::all_of(none.contacts.begin(), none.contacts.end(), [](const ContactRow& c) { return c.pn == 0 && c.pt == 0; }));
-		ContactSystem still = lattice(3, 0.3); // two immobile bodies pressed together beside it
-		ContactRow pressed = contact(9, 10, 1, 0, 0);
+		CHECK(std::all_of(none.contacts.begin(), none.contacts.end(), [](const ContactRow<Plane>& c) { return c.pn == 0 && c.pt == 0; }));
+		ContactSystem<Plane> still = lattice(3, 0.3); // two immobile bodies pressed together beside it
+		ContactRow<Plane> pressed = contact(9, 10, 1, 0, 0);
 		pressed.bias = -1;
 		still.contacts.push_back(pressed);
 		std::rotate(still.contacts.begin(), still.contacts.end() - 1, still.contacts.end());
 		still.assembleBlocks();
 		CHECK(solver(still, to(1e-8)).status == Status::converged);
-		ContactSystem broken = lattice(3, 0.3);
+		ContactSystem<Plane> broken = lattice(3, 0.3);
 		broken.bodies[4].v[0] = std::nan("");
 		CHECK(solver(broken, to(1e-8)).status == Status::diverged);
-		ContactSystem jammed = tests::squeezed(1, 0.3);
+		ContactSystem<Plane> jammed = tests::squeezed(1, 0.3);
 		// The method alone may be content with impulses that have grown until its error, relative to them, is small.
 		CHECK(findSolver(name)(jammed, to(1e-8)).status == Status::no_solution);
 	}

@@ -67,11 +67,11 @@ bool same(const World& a, const World& b)
 
 struct Run {
 	World world;
-	TimeStep step;
+	TimeStep<Plane> step;
 	StepReport report;
 	int postponed = 0;
 
-	void operator()(const StepSettings& s)
+	void operator()(const StepSettings<Plane>& s)
 	{
 		step.sleepers.update(world);
 		report = step(world, s);
@@ -102,7 +102,7 @@ TEST_CASE("a step without rows gives the same bits as one with rows")
 			Run made, spared;
 			made.world = tray(c.rows, c.columns, false, c.parted);
 			spared.world = tray(c.rows, c.columns, true, c.parted);
-			StepSettings s;
+			StepSettings<Plane> s;
 			s.dt = step_;
 			s.reduce = reduce;
 			s.solve = findSolver(c.method);
@@ -145,7 +145,7 @@ struct Edited : Run {
 	std::mt19937 random;
 	PairSearch search;
 	std::vector<Body> asBuilt;
-	StepSettings s;
+	StepSettings<Plane> s;
 	bool counts;
 	int box = -1;
 

@@ -90,12 +90,12 @@ TEST_CASE("a block matrix solves unsymmetric systems, again and again with one p
 
 TEST_CASE("a proximal problem about one centre is solved to round-off as sigma falls")
 {
-	ContactSystem given = lattice(8, 0.5);
-	ContactSystem rough = given;
+	ContactSystem<Plane> given = lattice(8, 0.5);
+	ContactSystem<Plane> rough = given;
 	accelerated(rough, to(1e-2));
 	rough.bodies = given.bodies;
-	NewtonSystem<ContactSystem> form(rough);
-	ProximalProblem<NewtonSystem<ContactSystem>> problem(form, 1000, 1e12);
+	NewtonSystem<ContactSystem<Plane>> form(rough);
+	ProximalProblem<NewtonSystem<ContactSystem<Plane>>> problem(form, 1000, 1e12);
 	std::vector<double> centre, u;
 	form.load(centre);
 	problem.centre(centre);

@@ -54,9 +54,9 @@ struct Scene {
 				sum += b.inverseMass[k] > 0 ? 0.5 * b.v[k] * b.v[k] / b.inverseMass[k] : 0;
 		return sum;
 	}
-	StepReport step(TimeStep& t)
+	StepReport step(TimeStep<Plane>& t)
 	{
-		StepSettings s;
+		StepSettings<Plane> s;
 		s.dt = h;
 		s.restitution = restitution;
 		s.solve = findSolver("auto");
@@ -67,7 +67,7 @@ struct Scene {
 	// No step that is solved adds more than this share of the energy.
 	void checkEnergy(int steps, double share)
 	{
-		TimeStep t;
+		TimeStep<Plane> t;
 		double last = energy();
 		for (int k = 0; k < steps; k++) {
 			if (step(t).solver.status == Status::converged)
@@ -94,7 +94,7 @@ TEST_CASE("disks in a row that touch each other and a wall, hit by another: no e
 			s.pairUp();
 			const double start = s.energy();
 			double last = start;
-			TimeStep t;
+			TimeStep<Plane> t;
 			for (int k = 0; k < 400; k++) {
 				s.step(t);
 				CHECK(s.energy() <= last * (1 + 1e-9)); // the tolerance, over a step's contacts
@@ -174,7 +174,7 @@ TEST_CASE("a spinning disk thrown into a groove rebounds without gain; one that 
 			s.disk(10, -10 + radius + 0.5 * h, 0, -1);
 			s.world.pairs.push_back({ floor, 4, mu });
 			double last = s.energy();
-			TimeStep t;
+			TimeStep<Plane> t;
 			for (int k = 0; k < 6; k++) {
 				CHECK(s.step(t).solver.status == Status::converged);
 				CHECK(s.energy() <= last * (1 + 1e-9));

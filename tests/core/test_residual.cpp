@@ -11,14 +11,14 @@ namespace {
 
 // A unit mass above a floor: n = (0, 1), so u_n = v_y, u_t = -v_x; W is the identity.
 struct OneContact {
-	ContactSystem system;
+	ContactSystem<Plane> system;
 	std::vector<double> free = { 0, 0, 0, 0, 0, 0 };
 
 	OneContact(double vx, double vy, double mu, double pn, double pt)
 	{
 		system.bodies.resize(2);
 		system.bodies[1].w[0] = system.bodies[1].w[1] = 1;
-		ContactRow c {};
+		ContactRow<Plane> c {};
 		c.b = 1;
 		c.ny = 1;
 		c.mu = mu;

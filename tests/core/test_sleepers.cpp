@@ -60,8 +60,8 @@ struct Scene {
 struct Run {
 	World world;
 	bool looksAtAll; // in every step
-	TimeStep step;
-	StepSettings settings;
+	TimeStep<Plane> step;
+	StepSettings<Plane> settings;
 	StepReport report;
 
 	Run(const World& w, bool looksAtAll)

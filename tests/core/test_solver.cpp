@@ -15,15 +15,14 @@ TEST_CASE("solutions satisfy the laws, contact by contact")
 	for (const bool arms : { false, true })
 		for (const double mu : { 0., 0.3, 0.8 })
 			for (unsigned seed = 1; seed <= 10; seed++) {
-				ContactSystem s = column(seed, 8, 12, mu, arms);
+				ContactSystem<Plane> s = column(seed, 8, 12, mu, arms);
 				const SolverReport r = nsgs(s, to(1e-11, 200000));
 				CAPTURE(seed);
 				CAPTURE(mu);
 				CAPTURE(arms);
 				REQUIRE(r.status == Status::converged);
-				for (const ContactRow& c : s.contacts) {
-					double un, ut;
-					relativeVelocity(c, s.bodies[c.a], s.bodies[c.b], un, ut);
+				for (const ContactRow<Plane>& c : s.contacts) {
+					auto [un, ut] = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]);
 					un += c.bias;
 					CHECK(c.pn >= 0);
 					CHECK(un >= -1e-8);
@@ -38,7 +37,7 @@ TEST_CASE("solutions satisfy the laws, contact by contact")
 TEST_CASE("one contact is solved in one sweep, with any arms")
 {
 	for (unsigned seed = 1; seed <= 50; seed++) {
-		ContactSystem s = column(seed, 2, 1, 0.4, true);
+		ContactSystem<Plane> s = column(seed, 2, 1, 0.4, true);
 		s.contacts[0].bias = 0;
 		SolverSettings settings;
 		settings.fixedIterations = 1;
@@ -51,7 +50,7 @@ TEST_CASE("one contact is solved in one sweep, with any arms")
 TEST_CASE("the order of sweeps changes the way, not the solution of a determinate problem")
 {
 	SolverSettings settings = to(1e-12, 200000);
-	ContactSystem a = column(3, 6, 5, 0.3, false), b = a;
+	ContactSystem<Plane> a = column(3, 6, 5, 0.3, false), b = a;
 	nsgs(a, settings);
 	settings.seed = 42;
 	nsgs(b, settings);
@@ -62,7 +61,7 @@ TEST_CASE("the order of sweeps changes the way, not the solution of a determinat
 TEST_CASE("status tells how it ended")
 {
 	SolverSettings settings = to(1e-14, 3);
-	ContactSystem s = column(5, 8, 12, 0.3, false);
+	ContactSystem<Plane> s = column(5, 8, 12, 0.3, false);
 	CHECK(nsgs(s, settings).status == Status::max_iterations);
 	settings.fixedIterations = 5;
 	CHECK(nsgs(s, settings).status == Status::fixed_iterations);
@@ -74,12 +73,12 @@ TEST_CASE("status tells how it ended")
 
 TEST_CASE("velocities returned belong to the impulses returned")
 {
-	ContactSystem s = column(7, 8, 12, 0.5, true);
+	ContactSystem<Plane> s = column(7, 8, 12, 0.5, true);
 	const auto start = s.bodies;
 	nsgs(s, {});
 	auto expected = start;
-	for (const ContactRow& c : s.contacts)
-		applyImpulse(c, expected[c.a], expected[c.b], c.pn, c.pt);
+	for (const ContactRow<Plane>& c : s.contacts)
+		applyImpulse(c, expected[c.a], expected[c.b], impulseOf(c));
 	for (size_t i = 0; i < expected.size(); i++)
 		for (int k = 0; k < 3; k++)
 			CHECK(s.bodies[i].v[k] == doctest::Approx(expected[i].v[k]).epsilon(1e-13));
@@ -89,11 +88,11 @@ TEST_CASE("impulses that stopped bodies in the step before do not throw them bac
 {
 	for (const char* method : { "nsgs", "accelerated", "auto" })
 		for (const double guess : { 8.33, 1e6 }) {
-			ContactSystem s;
+			ContactSystem<Plane> s;
 			s.bodies.resize(1);
 			for (int i = 0; i < 2; i++) {
 				s.bodies.push_back(disk(1, 0, -1.8e-15 * (i + 1))); // what the stop left of 8 m/s
-				ContactRow c = contact(i, i + 1, 0, 1, 0.3);
+				ContactRow<Plane> c = contact(i, i + 1, 0, 1, 0.3);
 				c.pn = guess * (2 - i);
 				c.pt = 0.1 * guess;
 				s.contacts.push_back(c);
@@ -102,7 +101,7 @@ TEST_CASE("impulses that stopped bodies in the step before do not throw them bac
 			const SolverReport report = findSolver(method)(s, {});
 			CAPTURE(method);
 			CHECK(report.status == Status::converged);
-			for (const BodyVelocity& b : s.bodies)
+			for (const BodyVelocity<Plane>& b : s.bodies)
 				CHECK(std::abs(b.v[1]) <= 4e-15); // of the order of the velocities given, not of the guess
 		}
 }
@@ -111,9 +110,9 @@ namespace {
 
 // Disks on a floor, each an island of its own: the first is pressed on it, nothing acts on the others. v: their velocities; p: the first guess of
 // all.
-ContactSystem besideALoad(std::initializer_list<double> v, double p)
+ContactSystem<Plane> besideALoad(std::initializer_list<double> v, double p)
 {
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	s.bodies = { {}, disk(1, 0, -1) };
 	s.bodies[1].pushed = 1;
 	for (const double vy : v)
@@ -133,7 +132,7 @@ TEST_CASE("a disk on which nothing acts is stopped by a floor, too, whatever oth
 	for (const char* method : { "nsgs", "accelerated", "newton", "auto" })
 		for (const double guess : { 0., 1., 8.33 })
 			for (const double v : { -1e-3, -1e-9, -1e-12, -1e-17, -1e-30 }) {
-				ContactSystem s = besideALoad({ v, -v, 3 * v }, guess);
+				ContactSystem<Plane> s = besideALoad({ v, -v, 3 * v }, guess);
 				CAPTURE(method);
 				CAPTURE(guess);
 				CAPTURE(v);
@@ -150,19 +149,19 @@ TEST_CASE("momentum past zero impulses does not end in them")
 {
 	for (const char* method : { "accelerated", "newton", "auto" }) {
 		// A light disk creeps into the floor. It carried a heavier one that now leaves.
-		ContactSystem s = besideALoad({ -1e-9, 0.3 }, 1);
+		ContactSystem<Plane> s = besideALoad({ -1e-9, 0.3 }, 1);
 		for (int k = 0; k < 3; k++) {
 			s.bodies[2].w[k] *= 40;
 			s.bodies[3].w[k] *= 1.4;
 		}
 		s.contacts[1].pn = 0.0045;
-		ContactRow& between = s.contacts[2];
+		ContactRow<Plane>& between = s.contacts[2];
 		between.a = 3;
 		between.b = 2;
 		between.nx = 0.6;
 		between.ny = -0.8;
 		between.pn = 0.1;
-		for (ContactRow& c : s.contacts)
+		for (ContactRow<Plane>& c : s.contacts)
 			c.bt = c.mu = 0;
 		s.assembleBlocks();
 		const SolverReport report = findSolver(method)(s, to(1e-6));

@@ -19,7 +19,7 @@ using tests::heap;
 
 namespace {
 
-bool sameBits(const ContactSystem& a, const ContactSystem& b)
+bool sameBits(const ContactSystem<Plane>& a, const ContactSystem<Plane>& b)
 {
 	for (std::size_t i = 0; i < a.contacts.size(); i++)
 		if (std::memcmp(&a.contacts[i].pn, &b.contacts[i].pn, 2 * sizeof(double)) != 0)
@@ -34,7 +34,7 @@ bool sameBits(const ContactSystem& a, const ContactSystem& b)
 
 TEST_CASE("every processor gives the same bits, with any number of contacts, and memory left by another problem does not show")
 {
-	const GroupKernel& usual = groupKernel();
+	const GroupKernel<Plane>& usual = groupKernel<Plane>();
 	Workspace memory;
 	for (const int contacts : { 0, 1, 7, 8, 9, 64, 1000 })
 		for (const double mu : { 0., 0.5 })
@@ -44,18 +44,18 @@ TEST_CASE("every processor gives the same bits, with any number of contacts, and
 						for (const int fixed : { 0, 5 }) {
 							CAPTURE(contacts);
 							CAPTURE(method);
-							const ContactSystem start = heap(1, contacts, mu, general);
+							const ContactSystem<Plane> start = heap(1, contacts, mu, general);
 							SolverSettings settings;
 							settings.seed = seed;
 							settings.fixedIterations = fixed;
 							settings.maxIterations = 60;
-							useGroupKernel(*groupKernels().begin());
-							ContactSystem first = start;
+							useGroupKernel(*groupKernels<Plane>().begin());
+							ContactSystem<Plane> first = start;
 							const SolverReport expected = findSolver(method)(first, settings);
-							for (const GroupKernel& kernel : groupKernels()) {
+							for (const GroupKernel<Plane>& kernel : groupKernels<Plane>()) {
 								CAPTURE(kernel.name);
 								useGroupKernel(kernel);
-								ContactSystem other = start;
+								ContactSystem<Plane> other = start;
 								other.memory = &memory;
 								const SolverReport report = findSolver(method)(other, settings);
 								CHECK(sameBits(first, other));
@@ -70,11 +70,11 @@ TEST_CASE("every processor gives the same bits, with any number of contacts, and
 // end their reuse.
 TEST_CASE("a step after another with its memory gives the bits it gives without")
 {
-	using Change = std::function<void(ContactSystem&)>;
+	using Change = std::function<void(ContactSystem<Plane>&)>;
 	const std::vector<std::pair<const char*, Change>> changes = {
 		{ "values only",
-		    [](ContactSystem& s) {
-			    for (ContactRow& c : s.contacts) {
+		    [](ContactSystem<Plane>& s) {
+			    for (ContactRow<Plane>& c : s.contacts) {
 				    c.bias *= 0.9;
 				    c.mu *= 0.8;
 				    std::swap(c.nx, c.ny);
@@ -82,23 +82,23 @@ TEST_CASE("a step after another with its memory gives the bits it gives without"
 			    }
 		    } },
 		{ "masses and inertias",
-		    [](ContactSystem& s) {
-			    for (BodyVelocity& b : s.bodies) {
+		    [](ContactSystem<Plane>& s) {
+			    for (BodyVelocity<Plane>& b : s.bodies) {
 				    b.w[0] *= 2;
 				    b.w[1] *= 2;
 				    b.w[2] *= 3;
 			    }
 		    } },
-		{ "a body held", [](ContactSystem& s) { std::fill_n(s.bodies[20].w, 3, 0.); } },
-		{ "a rotation held", [](ContactSystem& s) { s.bodies[20].w[2] = 0; } },
-		{ "a body with one freedom", [](ContactSystem& s) { s.bodies[20].w[1] = s.bodies[20].w[2] = 0; } },
-		{ "two contacts exchanged", [](ContactSystem& s) { std::swap(s.contacts[30], s.contacts[90]); } },
-		{ "a contact gone", [](ContactSystem& s) { s.contacts.resize(s.contacts.size() - 1); } },
-		{ "a contact more", [](ContactSystem& s) { s.contacts.push_back(s.contacts[7]); } },
-		{ "a contact between others", [](ContactSystem& s) { s.contacts[40].a = 0; } },
-		{ "a contact that couples n and t", [](ContactSystem& s) { s.contacts[41].bn = 0.2; } },
-		{ "a contact of two immobile bodies", [](ContactSystem& s) { s.contacts[42].a = s.contacts[42].b = 0; } },
-		{ "a body more", [](ContactSystem& s) { s.bodies.push_back(s.bodies.back()); } },
+		{ "a body held", [](ContactSystem<Plane>& s) { std::fill_n(s.bodies[20].w, 3, 0.); } },
+		{ "a rotation held", [](ContactSystem<Plane>& s) { s.bodies[20].w[2] = 0; } },
+		{ "a body with one freedom", [](ContactSystem<Plane>& s) { s.bodies[20].w[1] = s.bodies[20].w[2] = 0; } },
+		{ "two contacts exchanged", [](ContactSystem<Plane>& s) { std::swap(s.contacts[30], s.contacts[90]); } },
+		{ "a contact gone", [](ContactSystem<Plane>& s) { s.contacts.resize(s.contacts.size() - 1); } },
+		{ "a contact more", [](ContactSystem<Plane>& s) { s.contacts.push_back(s.contacts[7]); } },
+		{ "a contact between others", [](ContactSystem<Plane>& s) { s.contacts[40].a = 0; } },
+		{ "a contact that couples n and t", [](ContactSystem<Plane>& s) { s.contacts[41].bn = 0.2; } },
+		{ "a contact of two immobile bodies", [](ContactSystem<Plane>& s) { s.contacts[42].a = s.contacts[42].b = 0; } },
+		{ "a body more", [](ContactSystem<Plane>& s) { s.bodies.push_back(s.bodies.back()); } },
 	};
 	for (const auto& [what, change] : changes)
 		for (const auto method : { "nsgs", "accelerated" }) {
@@ -106,10 +106,10 @@ TEST_CASE("a step after another with its memory gives the bits it gives without"
 			CAPTURE(method);
 			SolverSettings settings;
 			settings.maxIterations = 40;
-			ContactSystem first = heap(6, 200, 0.4, false), changed = first;
+			ContactSystem<Plane> first = heap(6, 200, 0.4, false), changed = first;
 			change(changed);
 			changed.assembleBlocks();
-			ContactSystem fresh = changed, back = first, freshFirst = first;
+			ContactSystem<Plane> fresh = changed, back = first, freshFirst = first;
 			Workspace memory;
 			first.memory = changed.memory = back.memory = &memory;
 			findSolver(method)(fresh, settings);
@@ -135,17 +135,17 @@ TEST_CASE("a solver asks for no memory where it has solved a problem of that siz
 					CAPTURE(speed);
 					CAPTURE(settings.tolerance);
 					settings.seed = seed;
-					ContactSystem s = heap(8, 300, 0.5, true);
-					for (BodyVelocity& b : s.bodies)
+					ContactSystem<Plane> s = heap(8, 300, 0.5, true);
+					for (BodyVelocity<Plane>& b : s.bodies)
 						b.v[0] += speed;
 					DelassusSystem d = tests::matrixOf(s);
 					Workspace memory;
 					s.memory = d.memory = &memory;
-					ContactSystem again = s;
+					ContactSystem<Plane> again = s;
 					DelassusSystem anew = d;
 					findSolver(method)(s, settings);
 					findDelassusSolver(method)(d, settings);
-					for (ContactRow& c : again.contacts)
+					for (ContactRow<Plane>& c : again.contacts)
 						c.bias *= 0.5;
 					const std::size_t before = allocations();
 					const SolverReport report = findSolver(method)(again, settings);
@@ -160,18 +160,18 @@ TEST_CASE("a solver asks for no memory where it has solved a problem of that siz
 TEST_CASE("momentum brings a drift along a self-stress to its end")
 {
 	const double gap = 1e-5; // over h, of velocities of order 1
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	s.bodies.resize(2);
 	s.bodies[1].w[0] = s.bodies[1].w[1] = 1;
 	s.bodies[1].v[0] = -0.5;
 	for (const double side : { 1., -1. }) {
-		ContactRow c = tests::contact(0, 1, side, 0, 0);
+		ContactRow<Plane> c = tests::contact(0, 1, side, 0, 0);
 		c.bias = gap;
 		c.pn = side > 0 ? 1.5 : 1;
 		s.contacts.push_back(c);
 	}
 	s.assembleBlocks();
-	ContactSystem plain = s;
+	ContactSystem<Plane> plain = s;
 	const SolverReport slow = nsgs(plain, tests::to(1e-9)), report = accelerated(s, tests::to(1e-9));
 	CHECK(slow.status == Status::stagnated);
 	CHECK(report.status == Status::converged);
@@ -184,19 +184,19 @@ TEST_CASE("momentum brings a drift along a self-stress to its end")
 TEST_CASE("one sweep solves contacts that share no body, up to round-off")
 {
 	for (const int pairs : { 1, 7, 8, 9, 100 }) {
-		ContactSystem s;
+		ContactSystem<Plane> s;
 		std::mt19937 random(7);
 		std::uniform_real_distribution<double> unit(0, 1);
 		s.bodies.resize(2 * pairs);
 		for (int i = 0; i < pairs; i++) {
 			for (int k = 0; k < 2; k++) {
-				BodyVelocity& b = s.bodies[2 * i + k];
+				BodyVelocity<Plane>& b = s.bodies[2 * i + k];
 				b.w[0] = b.w[1] = 0.5 + unit(random);
 				b.w[2] = 1 + unit(random);
 				b.v[0] = unit(random) - k;
 				b.v[2] = unit(random) - 0.5;
 			}
-			ContactRow c;
+			ContactRow<Plane> c;
 			c.a = 2 * i;
 			c.b = 2 * i + 1;
 			c.nx = std::cos(unit(random));
@@ -236,8 +236,8 @@ TEST_CASE("no contact is lost, the contacts of a group share no movable body, no
 		std::set<int> before;
 		for (std::size_t g = 0; g < grouping.groups(); g++) {
 			std::set<int> now;
-			for (int lane = 0; lane < Group::lanes; lane++) {
-				const int contact = grouping.members[g * Group::lanes + lane];
+			for (int lane = 0; lane < lanes; lane++) {
+				const int contact = grouping.members[g * lanes + lane];
 				if (contact < 0)
 					continue;
 				seen.insert(contact);

@@ -12,14 +12,14 @@ using tests::heap;
 namespace {
 
 // Two systems that do not touch, their contacts in turn.
-ContactSystem interleaved(const ContactSystem& one, const ContactSystem& other)
+ContactSystem<Plane> interleaved(const ContactSystem<Plane>& one, const ContactSystem<Plane>& other)
 {
-	ContactSystem s;
+	ContactSystem<Plane> s;
 	s.bodies = one.bodies;
 	s.bodies.insert(s.bodies.end(), other.bodies.begin(), other.bodies.end());
 	for (std::size_t i = 0; i < one.contacts.size(); i++) {
 		s.contacts.push_back(one.contacts[i]);
-		ContactRow c = other.contacts[i];
+		ContactRow<Plane> c = other.contacts[i];
 		c.a += static_cast<int32_t>(one.bodies.size());
 		c.b += static_cast<int32_t>(one.bodies.size());
 		s.contacts.push_back(c);
@@ -29,14 +29,14 @@ ContactSystem interleaved(const ContactSystem& one, const ContactSystem& other)
 
 // Two pairs of slides, free along x only, that lie on each other, so that nothing passes through their contact. In one pair the light slide is
 // pressed on the floor's side, in the other the heavy one; the other slide has no other contact.
-void addSlides(ContactSystem& s, double heavy)
+void addSlides(ContactSystem<Plane>& s, double heavy)
 {
 	for (const int pressed : { 0, 1 }) {
 		const auto light = static_cast<int32_t>(s.bodies.size());
 		s.bodies.resize(s.bodies.size() + 2);
 		s.bodies[light].w[0] = 1;
 		s.bodies[light + 1].w[0] = 1 / heavy;
-		ContactRow c;
+		ContactRow<Plane> c;
 		c.a = light;
 		c.b = light + 1;
 		c.ny = 1;
@@ -56,12 +56,12 @@ void addSlides(ContactSystem& s, double heavy)
 
 TEST_CASE("the error of packed contacts is the independent one, on every processor")
 {
-	const GroupKernel& usual = groupKernel();
+	const GroupKernel<Plane>& usual = groupKernel<Plane>();
 	for (const int contacts : { 1, 9, 300, 5000 }) // twice the last is more than a block
 		for (const bool general : { false, true })
 			for (const bool islands : { false, true })
 				for (const double heavy : { 1., 1e3 }) {
-					ContactSystem s = heap(5, contacts, 0.4, general);
+					ContactSystem<Plane> s = heap(5, contacts, 0.4, general);
 					if (islands)
 						s = interleaved(s, heap(6, contacts, 0.1, general));
 					for (std::size_t i = 0; i < s.bodies.size(); i++) {
@@ -75,15 +75,15 @@ TEST_CASE("the error of packed contacts is the independent one, on every process
 						addSlides(s, heavy);
 					s.assembleBlocks();
 					const std::vector<double> free = tests::velocitiesOf(s);
-					for (const GroupKernel& kernel : groupKernels()) {
+					for (const GroupKernel<Plane>& kernel : groupKernels<Plane>()) {
 						CAPTURE(kernel.name);
 						CAPTURE(contacts);
 						CAPTURE(general);
 						CAPTURE(islands);
 						CAPTURE(heavy);
 						useGroupKernel(kernel);
-						ContactSystem swept = s;
-						Sweep sweep(swept, 0);
+						ContactSystem<Plane> swept = s;
+						Sweep<Plane> sweep(swept, 0);
 						for (int i = 0; i < 3; i++)
 							sweep();
 						const Residual packed = sweep.error();

@@ -33,9 +33,9 @@ template <class T> bool same(const std::vector<T>& a, const std::vector<T>& b)
 
 // 3721 disks in a lattice: more contacts than one block may have, in the order of its rows. The left wall is pressed on them; beside them a pair of
 // disks that touch nothing else.
-ContactSystem packing()
+ContactSystem<Plane> packing()
 {
-	ContactSystem s = tests::lattice(61, 0.5, 3);
+	ContactSystem<Plane> s = tests::lattice(61, 0.5, 3);
 	const int wall = 61 * 61 + 1, pair = static_cast<int>(s.bodies.size());
 	s.bodies[wall].w[0] = 0.1;
 	s.bodies[wall].v[0] = 0.3;
@@ -44,7 +44,7 @@ ContactSystem packing()
 		std::copy_n(s.bodies[0].w, 3, s.bodies[disk].w);
 		s.bodies[disk].v[0] = disk == pair ? 0.1 : 0;
 	}
-	ContactRow c = s.contacts[0];
+	ContactRow<Plane> c = s.contacts[0];
 	c.a = pair;
 	c.b = pair + 1;
 	s.contacts.push_back(c);
@@ -53,9 +53,9 @@ ContactSystem packing()
 }
 
 // The lattice's contacts in the order that the plug-in sweeps them: along a curve through its disks, scattered among 32 of them.
-ContactSystem alongCurve(int rows, double mu)
+ContactSystem<Plane> alongCurve(int rows, double mu)
 {
-	ContactSystem s = tests::lattice(rows, mu);
+	ContactSystem<Plane> s = tests::lattice(rows, mu);
 	World w;
 	w.bodies.resize(s.bodies.size());
 	w.shapes.resize(s.bodies.size());
@@ -67,11 +67,11 @@ ContactSystem alongCurve(int rows, double mu)
 	std::vector<int> rank;
 	double path = 0;
 	renewOrder(w, { rank, path }, true);
-	const auto key = [&](const ContactRow& c) {
+	const auto key = [&](const ContactRow<Plane>& c) {
 		const uint64_t both = static_cast<uint64_t>(std::min(c.a, c.b)) << 32 | static_cast<uint64_t>(std::max(c.a, c.b));
 		return std::make_pair(std::min(rank[c.a], rank[c.b]) / 32, both * 0x9E3779B97F4A7C15ull);
 	};
-	std::sort(s.contacts.begin(), s.contacts.end(), [&](const ContactRow& a, const ContactRow& b) { return key(a) < key(b); });
+	std::sort(s.contacts.begin(), s.contacts.end(), [&](const ContactRow<Plane>& a, const ContactRow<Plane>& b) { return key(a) < key(b); });
 	return s;
 }
 
@@ -168,10 +168,10 @@ TEST_CASE("blocks hold every contact once in the order given, and those of a col
 
 TEST_CASE("every number of threads gives the same bits, by every method")
 {
-	const ContactSystem start = packing();
+	const ContactSystem<Plane> start = packing();
 	{
-		ContactSystem swept = start;
-		const Sweep sweep(swept, 0);
+		ContactSystem<Plane> swept = start;
+		const Sweep<Plane> sweep(swept, 0);
 		CHECK(sweep.blocks().count() > 10);
 		CHECK(sweep.blocks().colours() > 2);
 		const Blocks& blocks = sweep.blocks();
@@ -188,7 +188,7 @@ TEST_CASE("every number of threads gives the same bits, by every method")
 			settings.tolerance = 1e-5;
 			settings.maxIterations = factorizes ? 12 : 60; // sweeps, and a few factorizations
 			settings.seed = seed;
-			ContactSystem alone = start;
+			ContactSystem<Plane> alone = start;
 			const SolverReport expected = findSolver(method)(alone, settings);
 			CHECK(expected.iterations >= settings.maxIterations);
 			for (const int count : counts) {
@@ -196,7 +196,7 @@ TEST_CASE("every number of threads gives the same bits, by every method")
 				Threads threads;
 				threads.use(count);
 				settings.threads = &threads;
-				ContactSystem shared = start;
+				ContactSystem<Plane> shared = start;
 				const SolverReport report = findSolver(method)(shared, settings);
 				CHECK(threads.started() == (count > 1));
 				CHECK(same(alone.contacts.all(), shared.contacts.all()));
@@ -223,8 +223,8 @@ TEST_CASE("steps are the same bits by every number of threads, with restitution 
 			for (const int count : counts) {
 				CAPTURE(count);
 				World w = tests::flow(80, 80);
-				TimeStep step;
-				StepSettings settings;
+				TimeStep<Plane> step;
+				StepSettings<Plane> settings;
 				settings.dt = 2e-3;
 				settings.restitution = restitution;
 				settings.reduce = reduce;
@@ -269,7 +269,7 @@ TEST_CASE("blocks cost no sweeps")
 		int plain, accelerated;
 	} known[] = { { 1e-3, 533, 63 }, { 1e-4, 2054, 121 }, { 1e-6, 6254, 264 } };
 	for (const auto& one : known) {
-		ContactSystem plain = alongCurve(61, 0.5), ahead = plain;
+		ContactSystem<Plane> plain = alongCurve(61, 0.5), ahead = plain;
 		CHECK(Sweep(plain, 0).blocks().count() > 10);
 		const SolverReport slow = nsgs(plain, tests::to(one.tolerance)), fast = accelerated(ahead, tests::to(one.tolerance));
 		CHECK(slow.status == Status::converged);

@@ -26,14 +26,14 @@ World twoDisks(double overlap, double speed)
 
 StepReport step(World& w, double gapCorrection, double restitution = 0, double allowedOverlap = 0)
 {
-	StepSettings s;
+	StepSettings<Plane> s;
 	s.dt = h;
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.allowedOverlap = allowedOverlap;
 	s.solve = findSolver("nsgs");
 	s.solver.tolerance = 1e-13;
-	TimeStep t;
+	TimeStep<Plane> t;
 	t.sleepers.update(w);
 	return t(w, s);
 }
@@ -161,10 +161,10 @@ TEST_CASE("a disk between two faces that have passed each other has all its cont
 	w.bodies[2].radius = radius;
 	w.bodies[2].inverseMass[0] = w.bodies[2].inverseMass[1] = 1;
 	w.pairs = { { 0, 2 }, { 1, 2 } };
-	StepSettings s;
+	StepSettings<Plane> s;
 	s.dt = h;
 	s.solve = findSolver("nsgs");
-	TimeStep t;
+	TimeStep<Plane> t;
 	t.sleepers.update(w);
 	t(w, s);
 	REQUIRE(t.pairs().size() == 2);
@@ -183,11 +183,11 @@ TEST_CASE("fixedIterations are so many sweeps, also where an impact goes on to a
 	w.bodies.push_back(third);
 	w.shapes.resize(3);
 	w.pairs.push_back({ 1, 2 });
-	StepSettings s;
+	StepSettings<Plane> s;
 	s.dt = h;
 	s.solve = findSolver("nsgs");
 	s.solver.fixedIterations = 7;
-	TimeStep t;
+	TimeStep<Plane> t;
 	t.sleepers.update(w);
 	const StepReport r = t(w, s);
 	CHECK(r.contacts == 2);
@@ -203,16 +203,14 @@ struct Asked {
 } asked;
 
 // A solver that spends all its sweeps and satisfies the first contact only.
-SolverReport stopFirst(ContactSystem& system, const SolverSettings& settings)
+SolverReport stopFirst(ContactSystem<Plane>& system, const SolverSettings& settings)
 {
 	asked.lastGuess.push_back(system.contacts.back().pn);
 	asked.contacts.push_back(static_cast<int>(system.contacts.size()));
 	asked.maxIterations.push_back(settings.maxIterations);
-	ContactRow& c = system.contacts[0];
-	double un, ut;
-	relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
-	c.pn = -un / c.wnn;
-	applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, 0);
+	ContactRow<Plane>& c = system.contacts[0];
+	c.pn = -relativeVelocity(c, system.bodies[c.a], system.bodies[c.b]).n / c.wnn;
+	applyImpulse(c, system.bodies[c.a], system.bodies[c.b], { c.pn, 0 });
 	SolverReport report;
 	report.iterations = settings.maxIterations;
 	report.status = Status::max_iterations;
@@ -230,13 +228,13 @@ TEST_CASE("a contact that only the solution makes starts with the impulse that i
 	w.bodies[2].x += 2 * radius + gap;
 	w.shapes.resize(3);
 	w.pairs.push_back({ 1, 2 });
-	StepSettings s;
+	StepSettings<Plane> s;
 	s.dt = h;
 	s.reduce = false;
 	s.solve = stopFirst;
 	s.solver.maxIterations = 100;
 	asked = {};
-	TimeStep t;
+	TimeStep<Plane> t;
 	t.sleepers.update(w);
 	const StepReport r = t(w, s);
 	REQUIRE(asked.contacts == std::vector<int> { 1, 2 });

@@ -32,12 +32,12 @@ struct Scene {
 	// One step, and the box turned by it, as the plug-in does.
 	StepReport step(double h)
 	{
-		StepSettings s;
+		StepSettings<Plane> s;
 		s.dt = h;
 		s.restitution = restitution;
 		s.solve = findSolver("nsgs");
 		s.solver.tolerance = tolerance;
-		TimeStep t;
+		TimeStep<Plane> t;
 		t.sleepers.update(world);
 		const StepReport report = t(world, s);
 		Shape& shape = world.shapes[0];

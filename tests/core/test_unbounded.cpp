@@ -18,7 +18,7 @@ TEST_CASE("what two walls press together has no solution, whatever the tolerance
 			for (const int disks : { 1, 2, 10 })
 				for (const double mu : { 0., 0.5 }) {
 					const auto settings = tests::to(tolerance);
-					ContactSystem s = squeezed(disks, mu);
+					ContactSystem<Plane> s = squeezed(disks, mu);
 					const SolverReport report = findSolver(method)(s, settings);
 					CAPTURE(method);
 					CAPTURE(tolerance);
@@ -37,7 +37,7 @@ TEST_CASE("what two walls press together has no solution, whatever the tolerance
 TEST_CASE("walls that move without squeezing, and heavy loads on light disks, are solved as before")
 {
 	for (const std::string& method : solverNames()) {
-		ContactSystem s = squeezed(4, 0.5);
+		ContactSystem<Plane> s = squeezed(4, 0.5);
 		for (const std::size_t wall : { std::size_t(0), s.bodies.size() - 1 })
 			s.bodies[wall].v[0] = 1; // both push to the right
 		CHECK(findSolver(method)(s, tests::to(1e-8)).status == Status::converged);
@@ -50,13 +50,13 @@ TEST_CASE("walls that move without squeezing, and heavy loads on light disks, ar
 
 TEST_CASE("a self-stress that was there and has nothing to carry is no sign against a solution")
 {
-	ContactSystem s = squeezed(3, 0);
+	ContactSystem<Plane> s = squeezed(3, 0);
 	s.bodies.front().v[0] = 1e-17; // round-off of a step before
 	s.bodies.back().v[0] = 1e-17;
-	for (ContactRow& c : s.contacts)
+	for (ContactRow<Plane>& c : s.contacts)
 		c.pn = 1;
 	for (const std::string& method : solverNames()) {
-		ContactSystem again = s;
+		ContactSystem<Plane> again = s;
 		CHECK(findSolver(method)(again, tests::to(1e-8)).status == Status::converged);
 		CHECK(again.contacts[1].pn == 1);
 	}
@@ -67,7 +67,7 @@ TEST_CASE("a nearly straight column that a boundary presses gives way to the sid
 	// Impulses a hundred times those of the push keep the column straight, and an error that is small beside them is large beside the push.
 	for (const std::string method : { "accelerated", "auto" })
 		for (const double tolerance : { 1e-3, 1e-4, 1e-5 }) {
-			ContactSystem s;
+			ContactSystem<Plane> s;
 			s.bodies.assign(5, tests::disk(1, 0, -0.01)); // floor, three disks of mass 1, and what presses
 			s.bodies[0] = { { 0.3, 0, 0 }, 0, {}, 0 };
 			s.bodies[4] = { { 0, -0.18, 0 }, 0, {}, 0 };
@@ -80,7 +80,7 @@ TEST_CASE("a nearly straight column that a boundary presses gives way to the sid
 			const SolverReport r = findSolver(method)(s, tests::to(tolerance));
 			REQUIRE(name(r.status) == std::string("converged"));
 			double closing = 0;
-			for (const ContactRow& c : s.contacts) {
+			for (const ContactRow<Plane>& c : s.contacts) {
 				const double *a = s.bodies[c.a].v, *b = s.bodies[c.b].v;
 				closing = std::max(closing, (a[0] - b[0]) * c.nx + (a[1] - b[1]) * c.ny);
 			}
@@ -90,10 +90,10 @@ TEST_CASE("a nearly straight column that a boundary presses gives way to the sid
 
 TEST_CASE("an observer who moves along with all boundaries sees the same: as many sweeps, and the same press")
 {
-	const auto moved = [](ContactSystem s, std::vector<std::array<double, 2>> boundaries, double x, double y) {
+	const auto moved = [](ContactSystem<Plane> s, std::vector<std::array<double, 2>> boundaries, double x, double y) {
 		s.places.assign(s.bodies.size() - boundaries.size(), { 0, 0 }); // those of bodies that move do not matter
 		s.places.insert(s.places.end(), boundaries.begin(), boundaries.end());
-		for (BodyVelocity& b : s.bodies) {
+		for (BodyVelocity<Plane>& b : s.bodies) {
 			b.v[0] += x;
 			b.v[1] += y;
 		}
@@ -101,26 +101,26 @@ TEST_CASE("an observer who moves along with all boundaries sees the same: as man
 	};
 	for (const std::string& method : solverNames()) {
 		CAPTURE(method);
-		ContactSystem rests = tests::lattice(8, 0.5, 1, true);
+		ContactSystem<Plane> rests = tests::lattice(8, 0.5, 1, true);
 		const SolverReport one = findSolver(method)(rests, tests::to(1e-4));
 		CHECK(one.status == Status::converged);
 		for (const double speed : { 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1. }) { // at one, its power is that of the errors
 			CAPTURE(speed);
-			ContactSystem moves = moved(tests::lattice(8, 0.5, 1, true), { { 8, -1 }, { -1, 8 }, { 17, 8 } }, speed, -speed);
+			ContactSystem<Plane> moves = moved(tests::lattice(8, 0.5, 1, true), { { 8, -1 }, { -1, 8 }, { 17, 8 } }, speed, -speed);
 			const SolverReport other = findSolver(method)(moves, tests::to(1e-4));
 			CHECK(other.status == Status::converged);
 			CHECK(other.iterations == one.iterations);
 		}
-		ContactSystem press = moved(squeezed(4, 0.5), { { 9, 0 } }, 0, 50);
+		ContactSystem<Plane> press = moved(squeezed(4, 0.5), { { 9, 0 } }, 0, 50);
 		CHECK(name(findSolver(method)(press, tests::to(1e-6)).status) == std::string("no_solution"));
 	}
 }
 
 TEST_CASE("the fastest closing of a contact, the growth of the impulses, and numbers that are none")
 {
-	ContactSystem s = squeezed(2, 0);
+	ContactSystem<Plane> s = squeezed(2, 0);
 	const std::vector<double> free = velocitiesOf(s);
-	for (ContactRow& c : s.contacts)
+	for (ContactRow<Plane>& c : s.contacts)
 		c.pn = 1e3;
 	const Resolution grown = resolution(s, free);
 	CHECK(grown.miss == doctest::Approx(1).epsilon(1e-11));
@@ -136,13 +136,13 @@ TEST_CASE("the fastest closing of a contact, the growth of the impulses, and num
 
 TEST_CASE("a contact that is free along its normal by round-off alone is not solved, and does not spoil the others")
 {
-	ContactSystem s = squeezed(1, 0.3);
+	ContactSystem<Plane> s = squeezed(1, 0.3);
 	s.bodies[0].v[0] = 0;
 	s.bodies[2].v[0] = 0;
 	s.bodies[1].v[0] = -1;
 	s.bodies.push_back(s.bodies[1]); // blocked along x
 	s.bodies.back().w[0] = s.bodies.back().w[2] = 0;
-	ContactRow c = s.contacts[0];
+	ContactRow<Plane> c = s.contacts[0];
 	c.b = 3;
 	c.ny = std::cos(std::acos(-1) / 2);
 	s.contacts.push_back(c);
@@ -150,7 +150,7 @@ TEST_CASE("a contact that is free along its normal by round-off alone is not sol
 	CHECK(s.contacts.back().wnn == 0);
 	const std::vector<double> free = velocitiesOf(s);
 	for (const std::string& method : solverNames()) {
-		ContactSystem solved = s;
+		ContactSystem<Plane> solved = s;
 		CHECK(findSolver(method)(solved, tests::to(1e-10)).status == Status::converged);
 		CHECK(solved.contacts[0].pn == doctest::Approx(1));
 		CHECK(solved.contacts.back().pn == 0);
@@ -164,7 +164,7 @@ TEST_CASE("no more sweeps and factorizations than asked for, in any method and f
 		for (const int most : { 1, 2, 3, 7, 12, 50, 101, 130, 600, 1500 }) {
 			CAPTURE(method);
 			CAPTURE(most);
-			for (ContactSystem s : { tests::lattice(5, 0.5, 1e6), squeezed(3, 0.3) }) {
+			for (ContactSystem<Plane> s : { tests::lattice(5, 0.5, 1e6), squeezed(3, 0.3) }) {
 				DelassusSystem d = tests::matrixOf(s);
 				CHECK(findSolver(method)(s, tests::to(1e-14, most)).iterations <= most);
 				CHECK(findDelassusSolver(method)(d, tests::to(1e-14, most)).iterations <= most);

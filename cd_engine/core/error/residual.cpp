@@ -16,43 +16,37 @@ namespace {
 	constexpr double single = 10; // root mean squares that a single contact may miss there; in a packing it misses 5 to 20
 
 	// A body: its velocity after the impulses, and the magnitude of what acts on it [m/s].
-	struct alignas(32) Moved {
-		Motion<double> v;
+	template <class Space> struct alignas(32) Moved {
+		MotionOf<Space> v;
 		double s;
 	};
 
-	void moveBodies(const ContactSystem& system, const std::vector<double>& freeVelocity, std::vector<Moved>& moved)
+	template <class Space>
+	void moveBodies(const ContactSystem<Space>& system, const std::vector<double>& freeVelocity, std::vector<Moved<Space>>& moved)
 	{
 		moved.resize(system.bodies.size());
 		for (std::size_t i = 0; i < moved.size(); i++)
-			moved[i] = { motionOf(&freeVelocity[3 * i]), system.bodies[i].pushed };
-		for (const ContactRow& c : system.contacts) {
-			const BodyVelocity &A = system.bodies[c.a], &B = system.bodies[c.b];
+			moved[i] = { motionOf<Space>(&freeVelocity[Space::freedoms * i]), system.bodies[i].pushed };
+		for (const ContactRow<Space>& c : system.contacts) {
+			const BodyVelocity<Space>&A = system.bodies[c.a], &B = system.bodies[c.b];
 			const bool passes = c.wnn > 0; // else nothing can move along the normal
-			Moved &a = moved[c.a], &b = moved[c.b];
-			const Components<double> p = impulseOf(c);
-			const Motion<double> wa = motionOf(A.w), wb = motionOf(B.w);
+			Moved<Space>&a = moved[c.a], &b = moved[c.b];
+			const ImpulseOf<Space> p = impulseOf(c);
+			const MotionOf<Space> wa = motionOf<Space>(A.w), wb = motionOf<Space>(B.w);
 			push(actionOf(c, p), a.v, wa, b.v, wb);
-			a.s += actingOn(wa, c, c.an, c.at, p) + (passes ? A.twisted * std::abs(c.at) : 0);
-			b.s += actingOn(wb, c, c.bn, c.bt, p) + (passes ? B.twisted * std::abs(c.bt) : 0);
+			a.s += actingOnA(wa, c, p) + (passes ? A.twisted * c.armA() : 0);
+			b.s += actingOnB(wb, c, p) + (passes ? B.twisted * c.armB() : 0);
 		}
 	}
 
 	// Of the bodies.
-	struct Bodies {
-		std::vector<Moved> moved;
+	template <class Space> struct Bodies {
+		std::vector<Moved<Space>> moved;
 		std::vector<char> met;
 		std::vector<double> leastHeavy; // smallest s of the far heavier bodies that it carries [m/s]
 	};
 
 } // namespace
-
-Miss<double> missOf(const ContactRow& c, double compliance, const Motion<double>& a, const Motion<double>& b, double acts)
-{
-	Components<double> u = relativeVelocity<false>(c, a, b);
-	u.n += c.bias;
-	return missOf<double>(impulseOf(c), u, frictionOf(c), compliance, sizeOf(c, c.bias, a, b), acts);
-}
 
 void ResidualSum::addUnderHeavy(double velocity, double s)
 {
@@ -128,7 +122,7 @@ Residual residual(const ResidualSum* islands, std::size_t count)
 	return r;
 }
 
-Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity)
+template <class Space> Residual residual(const ContactSystem<Space>& system, const std::vector<double>& freeVelocity)
 {
 	struct Islands {
 		Partition partition; // of the last system, which mostly had the same contacts
@@ -142,11 +136,12 @@ Residual residual(const ContactSystem& system, const std::vector<double>& freeVe
 	return residual(sums.data(), sums.size());
 }
 
-void addResiduals(const ContactSystem& system, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf,
+template <class Space>
+void addResiduals(const ContactSystem<Space>& system, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf,
     std::vector<ResidualSum>& sums, const int32_t* numbers)
 {
-	assert(system.consistent() && freeVelocity.size() == 3 * system.bodies.size() && islandOf.size() == system.contacts.size());
-	const Borrowed<Bodies> bodies(system.memory);
+	assert(system.consistent() && freeVelocity.size() == Space::freedoms * system.bodies.size() && islandOf.size() == system.contacts.size());
+	const Borrowed<Bodies<Space>> bodies(system.memory);
 	auto& [moved, met, leastHeavy] = *bodies;
 	moveBodies(system, freeVelocity, moved);
 	met.assign(moved.size(), 0);
@@ -156,10 +151,10 @@ void addResiduals(const ContactSystem& system, const std::vector<double>& freeVe
 			leastHeavy[light] = std::min(leastHeavy[light], moved[heavy].s);
 	});
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const ContactRow& c = system.contacts[i];
+		const ContactRow<Space>& c = system.contacts[i];
 		const double *ma = system.bodies[c.a].w, *mb = system.bodies[c.b].w;
-		const double compliance = c.nx * c.nx * (ma[0] + mb[0]) + c.ny * c.ny * (ma[1] + mb[1]) + c.an * c.an * ma[2] + c.bn * c.bn * mb[2];
-		if (islandOf[i] < 0 || ContactRow::held(compliance, c.freedom(ma, mb)))
+		const double compliance = c.compliance(ma, mb);
+		if (islandOf[i] < 0 || c.held(compliance, c.freedom(ma, mb)))
 			continue; // nothing can move along n
 		ResidualSum& sum = sums[islandOf[i]];
 		const Miss<double> miss = missOf(c, compliance, moved[c.a].v, moved[c.b].v, moved[c.a].s + moved[c.b].s);
@@ -169,13 +164,16 @@ void addResiduals(const ContactSystem& system, const std::vector<double>& freeVe
 		for (const int32_t body : { c.a, c.b })
 			if (!met[body]) {
 				met[body] = 1;
-				const double* const w = system.bodies[body].w;
-				const double inverse = std::max(w[0], w[1]);
-				if (inverse > 0 || w[2] > 0)
+				const double inverse = inverseMass(system.bodies[body]);
+				if (isMovable(system.bodies[body]))
 					sum.addBody(inverse > 0 ? 1 / inverse : 0, moved[body].s, numbers ? numbers[body] : body);
 			}
 	}
 }
+
+template Residual residual(const ContactSystem<Plane>&, const std::vector<double>&);
+template void addResiduals(
+    const ContactSystem<Plane>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
 
 Residual residual(const DelassusSystem& system)
 {
@@ -194,7 +192,7 @@ Residual residual(const DelassusSystem& system)
 		const Components<double> p = { system.p[2 * i], system.p[2 * i + 1] };
 		const double compliance = system.blocks[system.diagonal[i]].nn;
 		// u is a sum and is known only to the round-off of its terms.
-		sum.addContact(missOf<double>(p, { un, ut }, { system.mu[i] }, compliance, size, 0), p, compliance);
+		sum.addContact(missOf<double>(squaredMiss<double>(p, { un, ut }, { system.mu[i] }, compliance), compliance, size, 0), p, compliance);
 	}
 	Residual r = sum.of();
 	r.bodies = 0;

@@ -62,7 +62,7 @@ struct ResidualSum {
 	int32_t leastBody = -1;
 
 	// Adds a contact; compliance: W_nn.
-	void addContact(const Miss<double>& miss, const Components<double>& p, double compliance)
+	template <class Impulse> void addContact(const Miss<double>& miss, const Impulse& p, double compliance)
 	{
 		contacts++;
 		addTo(*this, miss, dot(p, p), compliance);
@@ -89,18 +89,14 @@ struct ResidualSum {
 	Residual of() const;
 };
 
-// How far a contact misses its law at the velocities a, b of its bodies; acts: what acts on both [m/s].
-Miss<double> missOf(const ContactRow&, double compliance, const Motion<double>& a, const Motion<double>& b, double acts);
-
 // Calls f(light, heavy) for all touching bodies of which one is ten times heavier, if something passes through their contact.
-template <class F> void forEachCarried(const ContactSystem& system, const F& f)
+template <class Space, class F> void forEachCarried(const ContactSystem<Space>& system, const F& f)
 {
 	constexpr double heavier = 10; // mass ratio from which a body is no longer one among many similar ones
-	for (const ContactRow& c : system.contacts) {
+	for (const ContactRow<Space>& c : system.contacts) {
 		if (!(c.wnn > 0))
 			continue;
-		const double *wa = system.bodies[c.a].w, *wb = system.bodies[c.b].w;
-		const double a = std::max(wa[0], wa[1]), b = std::max(wb[0], wb[1]);
+		const double a = inverseMass(system.bodies[c.a]), b = inverseMass(system.bodies[c.b]);
 		if (b > 0 && a >= heavier * b)
 			f(c.a, c.b);
 		else if (a > 0 && b >= heavier * a)
@@ -111,15 +107,16 @@ template <class F> void forEachCarried(const ContactSystem& system, const F& f)
 // The error of several islands: from the sums over their contacts and the largest error of their bodies.
 Residual residual(const ResidualSum* islands, std::size_t count);
 
-// freeVelocity: the bodies' velocities without any contact impulse, three numbers a body [v_x, v_y, omega].
+// freeVelocity: the bodies' velocities without any contact impulse, the freedoms of each.
 // Recomputes the velocities from the impulses, without reading those in `system.bodies`, and W_nn from the masses. A difference below the round-off
 // of the velocities, which are sums, does not count. Without any impulse e is 0 if no contact is violated, else infinite. Costs as much as thirty
 // sweeps; the methods call Sweep::error() instead.
-Residual residual(const ContactSystem& system, const std::vector<double>& freeVelocity);
+template <class Space> Residual residual(const ContactSystem<Space>&, const std::vector<double>& freeVelocity);
 
 // Adds the same for every island of a system to `sums`, one an island. Contact i belongs to the island islandOf[i], to none if that is negative.
 // numbers: how to name the bodies; null: by their place in the system.
-void addResiduals(const ContactSystem& system, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf,
+template <class Space>
+void addResiduals(const ContactSystem<Space>&, const std::vector<double>& freeVelocity, const std::vector<int32_t>& islandOf,
     std::vector<ResidualSum>& sums, const int32_t* numbers = nullptr);
 
 // The same for the impulses in `system`, with u = W p + q. The error of the bodies is not known here and set to 0. Costs about a sweep.

@@ -37,21 +37,21 @@ namespace {
 
 } // namespace
 
-bool Partition::sameLinks(const ContactSystem& system, Threads* threads)
+template <class Space> bool Partition::sameLinks(const ContactSystem<Space>& system, Threads* threads)
 {
 	if (knows(system))
 		return true;
 	const bool same = renew(
-	    links, system.contacts, [](const ContactRow& c) { return linkOf(c); }, threads);
+	    links, system.contacts, [](const auto& c) { return linkOf(c); }, threads);
 	// A contact that could not be solved may be solvable the next time.
 	contactSet = anyOf(threads, links.size(), [&](std::size_t i) { return !links[i].solvable; }) ? 0 : system.contactSet;
 	return same;
 }
 
-bool Partition::update(const ContactSystem& system, Threads* threads)
+template <class Space> bool Partition::update(const ContactSystem<Space>& system, Threads* threads)
 {
 	assert(knows(system) || system.consistent());
-	const auto count = [](const BodyVelocity& b) { return static_cast<uint8_t>(freedoms(b)); };
+	const auto count = [](const BodyVelocity<Space>& b) { return static_cast<uint8_t>(freedoms(b)); };
 	const bool bodies = renew(freedom, system.bodies, count, threads);
 	const bool contacts = sameLinks(system, threads);
 	if (bodies && contacts)
@@ -66,6 +66,8 @@ bool Partition::update(const ContactSystem& system, Threads* threads)
 	number();
 	return true;
 }
+
+template bool Partition::update(const ContactSystem<Plane>&, Threads*);
 
 void Partition::number()
 {

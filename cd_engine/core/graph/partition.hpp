@@ -14,18 +14,21 @@ struct Link {
 	bool solvable;
 	bool operator==(const Link& other) const { return a == other.a && b == other.b && solvable == other.solvable; }
 };
-inline Link linkOf(const ContactRow& c) { return { c.a, c.b, c.wnn > 0 }; }
+template <class Space> Link linkOf(const ContactRow<Space>& c) { return { c.a, c.b, c.wnn > 0 }; }
 
 // How many of the velocity components of a body can change.
-inline int freedoms(const BodyVelocity& b) { return (b.w[0] > 0) + (b.w[1] > 0) + (b.w[2] > 0); }
+template <class Space> int freedoms(const BodyVelocity<Space>& b)
+{
+	return static_cast<int>(std::count_if(b.w, b.w + Space::freedoms, [](double w) { return w > 0; }));
+}
 
 class Partition {
     public:
 	// Finds the islands of this system, whose rows are made unless they are known. Returns false if its contacts and freedoms, and so its
 	// islands, are those of the last system.
-	bool update(const ContactSystem&, Threads* = nullptr);
+	template <class Space> bool update(const ContactSystem<Space>&, Threads* = nullptr);
 	// Whether the rows of this system are postponed and link the same bodies as those of the last one, all of which could be solved.
-	bool knows(const ContactSystem& s) const { return s.contacts.postponed() && s.contactSet == contactSet; }
+	template <class Space> bool knows(const ContactSystem<Space>& s) const { return s.contacts.postponed() && s.contactSet == contactSet; }
 
 	struct Island {
 		int32_t first = 0; // index of the first contact
@@ -43,7 +46,7 @@ class Partition {
 	int32_t nameAt(std::size_t contact) const { return name[mobileOf(links[contact])]; }
 
     private:
-	bool sameLinks(const ContactSystem&, Threads*);
+	template <class Space> bool sameLinks(const ContactSystem<Space>&, Threads*);
 	int32_t mobileOf(const Link& link) const { return freedom[link.a] > 0 ? link.a : link.b; }
 	int32_t root(int32_t body);
 	void number();

@@ -6,9 +6,11 @@
 
 namespace cd {
 
-struct IslandPart {
+template <class Space> struct IslandPart {
+	using ContactSystem = cd::ContactSystem<Space>;
+
 	ContactSystem system;
-	std::vector<double> freeVelocity; // of its bodies, three numbers each
+	std::vector<double> freeVelocity; // of its bodies, the freedoms of each
 	std::vector<int32_t> bodies, contacts; // their numbers in the whole system
 	std::vector<int32_t> islandOf; // of each contact, in the whole system
 	std::vector<int32_t> place; // of each body of the whole system: its number here; -1: not in it
@@ -31,7 +33,7 @@ struct IslandPart {
 			if (island < 0 || !wanted(island))
 				continue;
 			system.contacts.push_back(whole.contacts[i]);
-			ContactRow& c = system.contacts.back();
+			ContactRow<Space>& c = system.contacts.back();
 			c.a = takeBody(whole, free, c.a);
 			c.b = takeBody(whole, free, c.b);
 			contacts.push_back(static_cast<int32_t>(i));
@@ -43,10 +45,8 @@ struct IslandPart {
 	template <class Wanted> void giveBack(ContactSystem& whole, const Wanted& wanted) const
 	{
 		for (std::size_t i = 0; i < contacts.size(); i++)
-			if (wanted(islandOf[i])) {
-				whole.contacts[contacts[i]].pn = system.contacts[i].pn;
-				whole.contacts[contacts[i]].pt = system.contacts[i].pt;
-			}
+			if (wanted(islandOf[i]))
+				setImpulse(whole.contacts[contacts[i]], impulseOf(system.contacts[i]));
 	}
 
 	// Replaces the errors of its islands by new ones.
@@ -64,9 +64,9 @@ struct IslandPart {
 			place[body] = static_cast<int32_t>(bodies.size());
 			bodies.push_back(body);
 			system.bodies.push_back(whole.bodies[body]);
-			const double* const v = &free[3 * static_cast<std::size_t>(body)];
-			freeVelocity.insert(freeVelocity.end(), v, v + 3);
-			std::copy_n(v, 3, system.bodies.back().v);
+			const double* const v = &free[Space::freedoms * static_cast<std::size_t>(body)];
+			freeVelocity.insert(freeVelocity.end(), v, v + Space::freedoms);
+			std::copy_n(v, Space::freedoms, system.bodies.back().v);
 			if (!whole.places.empty())
 				system.places.push_back(whole.places[body]);
 		}

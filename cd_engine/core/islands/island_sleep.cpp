@@ -31,10 +31,10 @@ namespace {
 	constexpr double stopped = 1e-2;
 
 	// Twice the kinetic energy [J]; infinite if a blocked freedom moves.
-	double motion(const BodyVelocity& b)
+	template <class Space> double motion(const BodyVelocity<Space>& b)
 	{
 		double sum = 0;
-		for (int k = 0; k < 3; k++)
+		for (int k = 0; k < Space::freedoms; k++)
 			if (b.v[k] != 0)
 				sum += b.w[k] > 0 ? b.v[k] * b.v[k] / b.w[k] : std::numeric_limits<double>::infinity();
 		return sum;
@@ -42,18 +42,20 @@ namespace {
 
 } // namespace
 
-void Rest::begin(const std::vector<Body>& bodies, double dt)
+template <class Space> void Rest::begin(const WorldOf<Space>& world, double dt)
 {
 	loads.clear();
 	if (sweeps() == 0 && !precedesTrial())
 		return;
-	for (const Body& b : bodies) {
-		double gained[3];
-		for (int k = 0; k < 3; k++)
+	for (const BodyOf<Space>& b : world.bodies) {
+		double gained[Space::freedoms];
+		for (int k = 0; k < Space::freedoms; k++)
 			gained[k] = dt * b.inverseMass[k] * b.force[k] + 0.; // turns -0 into +0
 		loads.push_back(std::hash<std::string_view>()({ reinterpret_cast<const char*>(gained), sizeof gained }) & 0x7fffffff);
 	}
 }
+
+template void Rest::begin(const WorldOf<Plane>&, double);
 
 int Rest::sweeps() const { return sleeping < islands && steps >= trialAt ? std::clamp(pause, fewestSweeps, mostSweeps) : 0; }
 
@@ -77,7 +79,7 @@ void Rest::plan(const Effort& effort)
 }
 
 // Clears `calm` of the islands that have, or touch, a body that meets the condition.
-template <class Condition> void IslandSolver::excite(const Condition& moves)
+template <class Space> template <class Condition> void IslandSolver<Space>::excite(const Condition& moves)
 {
 	for (std::size_t i = 0; i < partition.links.size(); i++)
 		if (const int32_t k = partition.ofContact[i]; k >= 0 && islands[k].calm)
@@ -86,11 +88,11 @@ template <class Condition> void IslandSolver::excite(const Condition& moves)
 
 // Clears `calm` of the islands that have a body of this system faster than `share` allows. places: of each body in it; null: its own
 // number.
-void IslandSolver::exciteFast(const ContactSystem& system, const int32_t* places, double tolerance, double share)
+template <class Space> void IslandSolver<Space>::exciteFast(const ContactSystem& system, const int32_t* places, double tolerance, double share)
 {
 	own.assign(system.bodies.size(), 0);
-	for (const ContactRow& c : system.contacts) {
-		const double square = c.wnn * (c.pn * c.pn + c.pt * c.pt);
+	for (const ContactRow<Space>& c : system.contacts) {
+		const double square = c.wnn * dot(impulseOf(c), impulseOf(c));
 		own[c.a] += square;
 		own[c.b] += square;
 	}
@@ -102,7 +104,7 @@ void IslandSolver::exciteFast(const ContactSystem& system, const int32_t* places
 
 // Leaves only those islands of the part calm that are at rest to `share` of the tolerance. The bodies must have the velocities of its
 // impulses.
-void IslandSolver::findCalm(double tolerance, double share)
+template <class Space> void IslandSolver<Space>::findCalm(double tolerance, double share)
 {
 	for (const int32_t k : part.islandOf)
 		islands[k].calm = true;
@@ -114,17 +116,17 @@ void IslandSolver::findCalm(double tolerance, double share)
 }
 
 // Finds the islands that sleep: nothing in them moved before the step, and their impulses keep it so. They count as solved.
-void IslandSolver::findAsleep(ContactSystem& system, const std::vector<Body>& before, double tolerance)
+template <class Space> void IslandSolver<Space>::findAsleep(ContactSystem& system, const std::vector<Body>& before, double tolerance)
 {
 	for (Island& island : islands)
 		island.calm = true;
-	excite([&](int32_t i) { return before[i].v[0] != 0 || before[i].v[1] != 0 || before[i].v[2] != 0; });
+	excite([&](int32_t i) { return std::any_of(std::begin(before[i].v), std::end(before[i].v), [](double v) { return v != 0; }); });
 	if (std::none_of(islands.begin(), islands.end(), [](const Island& island) { return island.calm; }))
 		return;
 	system.contacts.make();
 	part.take(system, freeVelocity, partition, [&](int32_t k) { return islands[k].calm; });
-	for (const ContactRow& c : part.system.contacts)
-		applyImpulse(c, part.system.bodies[c.a], part.system.bodies[c.b], c.pn, c.pt);
+	for (const ContactRow<Space>& c : part.system.contacts)
+		applyImpulse(c, part.system.bodies[c.a], part.system.bodies[c.b], impulseOf(c));
 	findCalm(tolerance, sleeps);
 	for (std::size_t k = 0; k < islands.size(); k++)
 		if (islands[k].calm) {
@@ -138,7 +140,8 @@ void IslandSolver::findAsleep(ContactSystem& system, const std::vector<Body>& be
 // velocities. They keep the impulses that stop them, so that the forces of the step are those that moved its bodies. Only in an island at
 // rest before the step these are the impulses of rest, with which the next step finds it asleep. An island that moved is tried again in the
 // next step.
-void IslandSolver::tryRest(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
+template <class Space>
+void IslandSolver<Space>::tryRest(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
 	const std::vector<int>&loads = stillness.rest.loads, &before = stillness.rest.loadsBefore;
 	if (before.size() != system.bodies.size())
@@ -161,7 +164,7 @@ void IslandSolver::tryRest(ContactSystem& system, const Stillness& stillness, co
 		// The error is a norm of the whole: a body that carries little may be solved far less exactly than others that carry much.
 		// Newton's method is not used: one step of it costs as much as an awake island in a hundred steps.
 		for (std::size_t i = 0; i < part.bodies.size(); i++)
-			std::copy_n(&part.freeVelocity[3 * i], 3, part.system.bodies[i].v);
+			std::copy_n(&part.freeVelocity[Space::freedoms * i], Space::freedoms, part.system.bodies[i].v);
 		const SolverReport report = accelerated(part.system, finer);
 		findCalm(stillness.tolerance, (1 + 1e-9) * proof); // 1e-9: a single island may just reach its tolerance
 		finer.maxIterations -= report.iterations;
@@ -173,8 +176,8 @@ void IslandSolver::tryRest(ContactSystem& system, const Stillness& stillness, co
 	// Bodies go from v to 0, though the impulses leave a tiny u. Their work counts as if they had stopped everything, -p (v + 0)/2.
 	for (std::size_t i = 0; i < part.bodies.size(); i++) {
 		const int32_t body = part.bodies[i], k = partition.ofBody[body];
-		for (int j = 0; k >= 0 && islands[k].calm && j < 3; j++) {
-			const BodyVelocity& u = part.system.bodies[i];
+		for (int j = 0; k >= 0 && islands[k].calm && j < Space::freedoms; j++) {
+			const BodyVelocity<Space>& u = part.system.bodies[i];
 			system.bodies[body].v[j] = 0;
 			if (!(u.w[j] > 0))
 				continue;
@@ -188,7 +191,7 @@ void IslandSolver::tryRest(ContactSystem& system, const Stillness& stillness, co
 }
 
 // Sets the velocities of all that sleeps to zero, and counts the islands that sleep on.
-void IslandSolver::stop(ContactSystem& system, const Sleepers& on, Effort& effort)
+template <class Space> void IslandSolver<Space>::stop(ContactSystem& system, const Sleepers& on, Effort& effort)
 {
 	const int islandsOn = static_cast<int>(on.islands().size());
 	effort.islands += islandsOn;
@@ -198,8 +201,12 @@ void IslandSolver::stop(ContactSystem& system, const Sleepers& on, Effort& effor
 		const bool sleepsOn = on.sleeps(static_cast<int32_t>(i));
 		effort.unknowns += sleepsOn ? partition.freedom[i] : 0;
 		if (const int32_t k = partition.ofBody[i]; sleepsOn || (k >= 0 && islands[k].state == State::asleep))
-			std::fill_n(system.bodies[i].v, 3, 0.);
+			std::fill_n(system.bodies[i].v, Space::freedoms, 0.);
 	}
 }
+
+template void IslandSolver<Plane>::findAsleep(ContactSystem&, const std::vector<Body>&, double);
+template void IslandSolver<Plane>::tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
+template void IslandSolver<Plane>::stop(ContactSystem&, const Sleepers&, Effort&);
 
 } // namespace cd

@@ -14,43 +14,43 @@ namespace {
 	// Islands that reach their tolerance to the last digit may exceed it together by the round-off of their sums.
 	constexpr double onTheEdge = 1e-9;
 
-	void copyVelocities(const ContactSystem& system, std::vector<double>& to, Threads* threads)
+	template <class Space> void copyVelocities(const ContactSystem<Space>& system, std::vector<double>& to, Threads* threads)
 	{
-		to.resize(3 * system.bodies.size());
+		to.resize(Space::freedoms * system.bodies.size());
 		forRanges(threads, system.bodies.size(), [&](std::size_t from, std::size_t end) {
 			for (std::size_t i = from; i < end; i++)
-				std::memcpy(&to[3 * i], system.bodies[i].v, sizeof system.bodies[i].v);
+				std::memcpy(&to[Space::freedoms * i], system.bodies[i].v, sizeof system.bodies[i].v);
 		});
 	}
 
-	void addImpulse(ContactSystem& system, const ContactRow& c)
+	template <class Space> void addImpulse(ContactSystem<Space>& system, const ContactRow<Space>& c)
 	{
-		if (c.pn != 0 || c.pt != 0)
-			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
+		if (!isZero(impulseOf(c)))
+			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], impulseOf(c));
 	}
 
 	// The impulses of a contact that no other contact influences.
-	Components<double> solveAlone(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B)
+	template <class Space> ImpulseOf<Space> solveAlone(const ContactRow<Space>& c, const BodyVelocity<Space>& A, const BodyVelocity<Space>& B)
 	{
-		double un, ut;
-		relativeVelocity(c, A, B, un, ut);
-		return solveContact(c, { un + c.bias, ut }, { -0., -0. }); // 0 - 0 would lose the sign of a zero
+		ImpulseOf<Space> u = relativeVelocity(c, A, B);
+		u.n += c.bias;
+		return solveContact(c, u);
 	}
 
 } // namespace
 
-SolverReport solveWhole(ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort)
+template <class Space> SolverReport solveWhole(ContactSystem<Space>& system, Solver<Space> method, const SolverSettings& settings, Effort& effort)
 {
 	const SolverReport report = method(system, settings);
 	effort = {};
-	for (const BodyVelocity& b : system.bodies)
+	for (const BodyVelocity<Space>& b : system.bodies)
 		effort.unknowns += freedoms(b);
 	effort.islands = !system.contacts.empty();
 	effort.resting = effort.islands && report.iterations == 0;
 	return report;
 }
 
-void IslandSolver::findIslands(ContactSystem& system, Threads* threads, Effort& effort)
+template <class Space> void IslandSolver<Space>::findIslands(ContactSystem& system, Threads* threads, Effort& effort)
 {
 	if (!partition.knows(system))
 		system.contacts.make();
@@ -67,7 +67,7 @@ void IslandSolver::findIslands(ContactSystem& system, Threads* threads, Effort& 
 }
 
 // Computes only impulses: the bodies keep their free velocities. A contact rests if its first guess is within the tolerance of the solution.
-void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
+template <class Space> void IslandSolver<Space>::solveLoneContacts(ContactSystem& system, double tolerance)
 {
 	lone = {};
 	for (std::size_t k = 0; k < islands.size(); k++) {
@@ -75,9 +75,9 @@ void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 		if (partition.islands[k].contacts > 1 || island.state == State::asleep)
 			continue;
 		system.contacts.make();
-		ContactRow& c = system.contacts[partition.islands[k].first];
-		const Components<double> p = solveAlone(c, system.bodies[c.a], system.bodies[c.b]);
-		island.sweeps = std::hypot(p.n - c.pn, p.t - c.pt) > tolerance * std::hypot(p.n, p.t);
+		ContactRow<Space>& c = system.contacts[partition.islands[k].first];
+		const ImpulseOf<Space> p = solveAlone(c, system.bodies[c.a], system.bodies[c.b]);
+		island.sweeps = length(p - impulseOf(c)) > tolerance * length(p);
 		island.state = State::solved;
 		setImpulse(c, p);
 		lone.contacts++;
@@ -87,13 +87,13 @@ void IslandSolver::solveLoneContacts(ContactSystem& system, double tolerance)
 }
 
 // Whether the error of the whole proves that the one larger island meets its own tolerance. Lone contacts add to |p|, not to the difference.
-bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, double tolerance) const
+template <class Space> bool IslandSolver<Space>::withinItsOwn(const ContactSystem& system, double error, double tolerance) const
 {
 	if (lone.square == 0)
 		return true;
 	ResidualSum all;
-	for (const ContactRow& c : system.contacts) {
-		const double square = c.pn * c.pn + c.pt * c.pt;
+	for (const ContactRow<Space>& c : system.contacts) {
+		const double square = dot(impulseOf(c), impulseOf(c));
 		all.square += square;
 		all.squareEnergy += c.wnn * square;
 	}
@@ -102,7 +102,7 @@ bool IslandSolver::withinItsOwn(const ContactSystem& system, double error, doubl
 }
 
 // Whether the only island beside lone contacts has nine tenths of the contacts, and most bodies touch something: taking it out would cost too much.
-bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
+template <class Space> bool IslandSolver<Space>::isNearlyOneIsland(const ContactSystem& system) const
 {
 	int open = 0;
 	std::size_t contacts = 0;
@@ -116,14 +116,15 @@ bool IslandSolver::isNearlyOneIsland(const ContactSystem& system) const
 
 // Solves the system as it is. Sweeps do not change the lone contacts, since these are solved. After a step without sweeps, first tests whether the
 // guess is the solution again, before anything is packed.
-SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings, Rest* rest)
+template <class Space>
+SolverReport IslandSolver<Space>::solveInPlace(ContactSystem& system, Solver method, const SolverSettings& settings, Rest* rest)
 {
 	SolverReport report;
 	if (rest && rest->withoutSweep && surelySolvable(system, settings.threads)) {
 		system.contacts.make();
 		report.measure(residual(system, freeVelocity));
 		if (report.error <= settings.tolerance) {
-			for (const ContactRow& c : system.contacts)
+			for (const ContactRow<Space>& c : system.contacts)
 				addImpulse(system, c);
 			return report;
 		}
@@ -138,7 +139,7 @@ SolverReport IslandSolver::solveInPlace(ContactSystem& system, Solver method, co
 }
 
 // Marks the islands whose sums show that they are solved now. Returns how many.
-int IslandSolver::markSolved(double tolerance)
+template <class Space> int IslandSolver<Space>::markSolved(double tolerance)
 {
 	int solved = 0;
 	for (std::size_t k = 0; k < islands.size(); k++)
@@ -151,7 +152,7 @@ int IslandSolver::markSolved(double tolerance)
 
 // Solves the islands together, then goes on with those not solved by themselves. The bodies of the system keep their free velocities. Reports the
 // status, the factorizations, and the contact of the first island found without a solution, else of one whose first guess must not be used again.
-SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
+template <class Space> SolverReport IslandSolver<Space>::solveInParts(ContactSystem& system, Solver method, const SolverSettings& settings)
 {
 	SolverReport of;
 	Status unsolved = Status::converged; // of the first island found without a solution
@@ -204,7 +205,8 @@ SolverReport IslandSolver::solveInParts(ContactSystem& system, Solver method, co
 }
 
 // Computes the velocities and the error of the whole system.
-SolverReport IslandSolver::conclude(ContactSystem& system, SolverReport report, double tolerance, const Stillness* stillness)
+template <class Space>
+SolverReport IslandSolver<Space>::conclude(ContactSystem& system, SolverReport report, double tolerance, const Stillness* stillness)
 {
 	all.clear();
 	double work = 0; // of the islands that are awake
@@ -230,7 +232,8 @@ SolverReport IslandSolver::conclude(ContactSystem& system, SolverReport report, 
 	return report;
 }
 
-SolverReport IslandSolver::operator()(
+template <class Space>
+SolverReport IslandSolver<Space>::operator()(
     ContactSystem& system, Solver method, const SolverSettings& settings, Effort& effort, const Stillness* stillness)
 {
 	assert(system.places.empty() || system.places.size() == system.bodies.size());
@@ -250,7 +253,7 @@ SolverReport IslandSolver::operator()(
 		system.contacts.make();
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
 		for (std::size_t i = 0; i < system.bodies.size(); i++)
-			std::memcpy(system.bodies[i].v, &freeVelocity[3 * i], sizeof system.bodies[i].v);
+			std::memcpy(system.bodies[i].v, &freeVelocity[Space::freedoms * i], sizeof system.bodies[i].v);
 		SolverSettings left = settings;
 		left.maxIterations -= report.iterations;
 		report = conclude(system, solveInParts(system, method, left), settings.tolerance, stillness);
@@ -268,5 +271,8 @@ SolverReport IslandSolver::operator()(
 	}
 	return report;
 }
+
+template SolverReport solveWhole(ContactSystem<Plane>&, Solver<Plane>, const SolverSettings&, Effort&);
+template class IslandSolver<Plane>;
 
 } // namespace cd

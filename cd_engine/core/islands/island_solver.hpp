@@ -29,16 +29,22 @@ struct Effort {
 };
 
 // Solves all contacts at once.
-SolverReport solveWhole(ContactSystem&, Solver, const SolverSettings&, Effort&);
+template <class Space> SolverReport solveWhole(ContactSystem<Space>&, Solver<Space>, const SolverSettings&, Effort&);
 
 // Solves island by island. A system of one island gets the same bits as from solveWhole, unless the step needs no sweep. Settings with
 // fixedIterations or a random order refer to the whole system; it is then solved as a whole. iterations: the most made on any island.
-class IslandSolver {
+template <class Space> class IslandSolver {
+	using Body = BodyOf<Space>;
+	using ContactSystem = cd::ContactSystem<Space>;
+	using Sleepers = cd::Sleepers<Space>;
+	using Solver = cd::Solver<Space>;
+	using Stillness = cd::Stillness<Space>;
+
     public:
 	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
 
 	// Puts the islands to sleep that the last call has found asleep.
-	void putToSleep(Sleepers& sleepers, const World& world) const { sleepers.add(world, found, partition.name); }
+	void putToSleep(Sleepers& sleepers, const WorldOf<Space>& world) const { sleepers.add(world, found, partition.name); }
 
     private:
 	enum class State : uint8_t { open, solved, unsolvable, asleep }; // unsolvable: according to its method
@@ -71,7 +77,7 @@ class IslandSolver {
 	std::vector<ResidualSum> all; // scratch: errors of the islands, those that sleep on included
 	ResidualSum lone; // errors of all islands of one contact
 	std::vector<double> freeVelocity; // velocities without impulses
-	IslandPart part; // of the system
+	IslandPart<Space> part; // of the system
 	std::size_t touching = 0; // movable bodies with a contact
 	std::vector<SleepingIsland> found; // asleep, sorted by name
 	std::vector<double> own; // of each body: W_nn |p|^2 summed over its own contacts [J]

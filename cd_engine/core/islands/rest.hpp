@@ -29,7 +29,7 @@ struct Rest {
 	// Sweeps that slow islands may take to prove their rest in this step; 0: no trial.
 	int sweeps() const;
 	// Before a step of dt: finds the loads if this step or the next one compares them.
-	void begin(const std::vector<Body>&, double dt);
+	template <class Space> void begin(const WorldOf<Space>&, double dt);
 	// After a step: keeps its loads for a trial in the next one, and decides when the next trial comes.
 	void plan(const Effort&);
 
@@ -38,9 +38,9 @@ struct Rest {
 };
 
 // What the solution of islands needs to know about rest; without it nothing sleeps.
-struct Stillness {
-	const Sleepers& sleepers; // islands left out of the system
-	const std::vector<Body>& before; // the bodies before the step
+template <class Space> struct Stillness {
+	const Sleepers<Space>& sleepers; // islands left out of the system
+	const std::vector<BodyOf<Space>>& before; // the bodies before the step
 	Rest& rest;
 	double tolerance; // of rest, at most that of the step
 };

@@ -3,26 +3,23 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
-#include <tuple>
 
 namespace cd {
 namespace {
 
 	// Whether a body does not move and all that a step reads of it is as before; forces only where they have an effect.
-	bool rests(const Body& b, const Body& c)
+	template <class Space> bool rests(const BodyOf<Space>& b, const BodyOf<Space>& c)
 	{
-		bool same = b.x == c.x && b.y == c.y && b.radius == c.radius && b.friction == c.friction;
-		for (int k = 0; k < 3; k++)
+		bool same = samePlace(b, c);
+		for (int k = 0; k < Space::freedoms; k++)
 			same = same && b.v[k] == 0 && c.v[k] == 0 && b.inverseMass[k] == c.inverseMass[k]
 			    && (b.inverseMass[k] == 0 || b.force[k] == c.force[k]);
 		return same;
 	}
 
-	auto allOf(const Shape& s) { return std::tie(s.kind, s.ex, s.ey, s.cosine, s.sine, s.axis, s.sense); }
-
 } // namespace
 
-void Sleepers::wakeAll(World& world, const Cause& why)
+template <class Space> void Sleepers<Space>::wakeAll(World& world, const Cause& why)
 {
 	if (!none())
 		last = why;
@@ -34,7 +31,7 @@ void Sleepers::wakeAll(World& world, const Cause& why)
 	std::iota(world.awake.begin(), world.awake.end(), 0);
 }
 
-void Sleepers::update(World& world)
+template <class Space> void Sleepers<Space>::update(World& world)
 {
 	assert(world.shapes.size() == world.bodies.size());
 	if (none() ? world.awake.size() != world.pairs.size() : of.size() != world.bodies.size())
@@ -47,7 +44,7 @@ void Sleepers::update(World& world)
 		const bool immobile = isGuided(now);
 		if (of[i] == awake && !immobile)
 			continue;
-		const bool same = rests(now, bodies[i]) && (!isBoundary(now) || allOf(world.shapes[i]) == allOf(shapes[i]));
+		const bool same = rests<Space>(now, bodies[i]) && (!isBoundary(now) || world.shapes[i] == shapes[i]);
 		if (of[i] >= 0) {
 			if (!same)
 				disturb(body, "a body was moved or changed, or another force acts on it", body);
@@ -64,31 +61,31 @@ void Sleepers::update(World& world)
 	wakeDisturbed(world);
 }
 
-bool Sleepers::wake(const ContactRows& contacts, World& world)
+template <class Space> bool Sleepers<Space>::wake(const ContactRows<Space>& contacts, World& world)
 {
 	if (none())
 		return false;
-	for (const ContactRow& c : contacts)
+	for (const ContactRow<Space>& c : contacts)
 		for (const int32_t body : { c.a, c.b })
 			if (c.wnn > 0) // else nothing passes through it
 				disturb(body, "a body that is awake came near", body == c.a ? c.b : c.a);
 	return wakeDisturbed(world);
 }
 
-void Sleepers::disturb(int32_t body, const char* what, int32_t with)
+template <class Space> void Sleepers<Space>::disturb(int32_t body, const char* what, int32_t with)
 {
 	if (sleeps(body) && !islandOf(body).disturbed.what)
 		islandOf(body).disturbed = { what, with };
 }
 
-SleepingIsland& Sleepers::islandOf(int32_t body)
+template <class Space> SleepingIsland& Sleepers<Space>::islandOf(int32_t body)
 {
 	return *std::lower_bound(list.begin(), list.end(), of[body], [](const SleepingIsland& island, int32_t name) { return island.name < name; });
 }
 
 // Wakes the islands in which something has changed, and returns whether there were any. Then lists the pairs that a step examines: all
 // but those of two bodies that rest, of which one sleeps. Contacts that cannot push are listed also there.
-bool Sleepers::wakeDisturbed(World& world)
+template <class Space> bool Sleepers<Space>::wakeDisturbed(World& world)
 {
 	const auto wakes = [](const SleepingIsland& island) { return island.disturbed.what != nullptr; };
 	const auto first = std::find_if(list.begin(), list.end(), wakes);
@@ -117,7 +114,7 @@ bool Sleepers::wakeDisturbed(World& world)
 	return any;
 }
 
-void Sleepers::add(const World& world, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names)
+template <class Space> void Sleepers<Space>::add(const World& world, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names)
 {
 	assert(names.size() == world.bodies.size() || found.empty());
 	assert(std::is_sorted(found.begin(), found.end()));
@@ -136,11 +133,13 @@ void Sleepers::add(const World& world, const std::vector<SleepingIsland>& found,
 	std::sort(list.begin(), list.end());
 }
 
-const std::vector<BoundaryImpulse>& Sleepers::boundaryImpulses()
+template <class Space> auto Sleepers<Space>::boundaryImpulses() -> const std::vector<BoundaryImpulse>&
 {
 	if (!std::is_sorted(impulses.begin(), impulses.end()))
 		std::sort(impulses.begin(), impulses.end());
 	return impulses;
 }
+
+template class Sleepers<Plane>;
 
 } // namespace cd

@@ -37,22 +37,26 @@ struct SleepingIsland {
 };
 
 // The impulse of a contact of a sleeping island on an immobile body.
-struct BoundaryImpulse {
+template <class Space> struct BoundaryImpulse {
 	int32_t island, contact, body;
-	std::array<double, 3> impulse; // [N s], [N s], angular momentum about the body's centre [N m s]
+	std::array<double, Space::freedoms> impulse; // along the axes [N s], angular momentum about the body's centre [N m s]
 
 	bool operator<(const BoundaryImpulse& o) const { return island < o.island || (island == o.island && contact < o.contact); }
 };
 
 // To be called in a step in this order: update (or wakeAll), wake, add.
-class Sleepers {
+template <class Space> class Sleepers {
+	using Body = BodyOf<Space>;
+	using World = WorldOf<Space>;
+	using BoundaryImpulse = cd::BoundaryImpulse<Space>;
+
     public:
 	// After the bodies of a step are read, but before its pairs. Wakes what has changed, and lists in world.awake the pairs that the step
 	// examines.
 	void update(World&);
 	void wakeAll(World&, const Cause& why = { "near pairs were searched anew, since a body has moved far, come or gone", -1 });
 	// Wakes the islands that have a body in one of these contacts. Returns whether there were any.
-	bool wake(const ContactRows&, World&);
+	bool wake(const ContactRows<Space>&, World&);
 	// Adds the islands that a step has examined and found asleep. names: of each body, the name of its island.
 	void add(const World&, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names);
 
@@ -87,7 +91,7 @@ class Sleepers {
 	std::vector<int32_t> of; // by body: the name of its island; `unchanged`: it is immobile, and was like this in the last step
 	bool changed = false; // since the pairs were listed
 	std::vector<Body> bodies; // as they were when they fell asleep, or of immobile ones, in the last step
-	std::vector<Shape> shapes;
+	std::vector<ShapeOf<Space>> shapes;
 	std::vector<SleepingIsland> list;
 	std::vector<BoundaryImpulse> impulses;
 	Cause last;

@@ -7,7 +7,7 @@ namespace cd {
 
 // The functions of a target.
 #define KERNEL(name)                                                                                                                                 \
-	constexpr GroupKernel kernel                                                                                                                 \
+	constexpr GroupKernel<Plane> kernel                                                                                                          \
 	    = { name, sweep, sweepAhead, extrapolate, addImpulses, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
 
 #define LANES 2
@@ -39,7 +39,7 @@ namespace avx512 {
 
 namespace {
 
-	const GroupKernel all[] = {
+	const GroupKernel<Plane> all[] = {
 		avx512::kernel,
 		avx2::kernel,
 		any_processor::kernel,
@@ -52,12 +52,12 @@ namespace {
 		return __builtin_cpu_supports("x86-64-v4") ? 0 : __builtin_cpu_supports("x86-64-v3") ? 1 : 2;
 	}
 
-	const GroupKernel* chosen = all + firstSupported();
+	const GroupKernel<Plane>* chosen = all + firstSupported();
 
 } // namespace
 
-GroupKernels groupKernels() { return { all + firstSupported(), known - firstSupported() }; }
-const GroupKernel& groupKernel() { return *chosen; }
-void useGroupKernel(const GroupKernel& kernel) { chosen = &kernel; }
+template <> GroupKernels<Plane> groupKernels() { return { all + firstSupported(), known - firstSupported() }; }
+template <> const GroupKernel<Plane>& groupKernel() { return *chosen; }
+template <> void useGroupKernel(const GroupKernel<Plane>& kernel) { chosen = &kernel; }
 
 } // namespace cd

@@ -3,7 +3,6 @@
 
 #include "problem/problem.hpp"
 #include "kernels/group.hpp"
-#include "scene/scene.hpp"
 
 #include <cstddef>
 
@@ -11,13 +10,13 @@ namespace cd {
 
 // The members of AheadReport, summed lane by lane.
 struct alignas(64) LaneSums {
-	double change[Group::lanes], against[Group::lanes];
+	double change[lanes], against[lanes];
 };
 
 // How far the contacts miss the contact law, summed lane by lane: members of ResidualSum.
 struct alignas(64) LaneMisses {
-	double difference[Group::lanes], square[Group::lanes], differenceEnergy[Group::lanes], squareEnergy[Group::lanes];
-	double missed[Group::lanes], worst[Group::lanes], mostMissed[Group::lanes];
+	double difference[lanes], square[lanes], differenceEnergy[lanes], squareEnergy[lanes];
+	double missed[lanes], worst[lanes], mostMissed[lanes];
 };
 
 // Eight pairs.
@@ -32,7 +31,7 @@ struct alignas(64) PairLanes {
 	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
 	Ends ends[lanes];
 	int32_t a[lanes], b[lanes]; // the same
-	int32_t index[lanes]; // in World::pairs
+	int32_t index[lanes]; // in World::carried
 };
 // What impulses on eight contacts between disks do.
 struct alignas(64) PairEffects {
@@ -46,7 +45,11 @@ struct RowSettings {
 	double onCone; // factor on mu p_n up to which a first guess is in the cone
 };
 
-struct GroupKernel {
+template <class Space> struct GroupKernel {
+	using PackedBody = cd::PackedBody<Space>;
+	using Group = cd::Group<Space>;
+	using GroupBefore = cd::GroupBefore<Space>;
+
 	const char* name;
 	// Solves the contacts of groups[0 .. count) in turn, while the others are held.
 	void (*sweep)(Group* groups, std::size_t count, PackedBody* bodies);
@@ -67,27 +70,31 @@ struct GroupKernel {
 	// Where the disks of `count` times eight pairs touch.
 	void (*overlaps)(const Place* places, PairLanes* pairs, std::size_t count, double nearby);
 	// The rows of `count` pairs, which begin in the first lane; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
-	void (*assemble)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes* pairs, ContactRow* rows,
-	    std::size_t count, const RowSettings& settings);
-	// What `count` impulses p, two a contact, do.
-	void (*effects)(const Place* places, const Mean* means, const double* p, std::size_t count, const PairLanes* pairs, PairEffects* effects,
-	    std::size_t groups);
+	void (*assemble)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes* pairs,
+	    ContactRow<Space>* rows, std::size_t count, const RowSettings& settings);
+	// What `count` impulses p do.
+	void (*effects)(const Place* places, const Mean* means, const ImpulseOf<Space>* p, std::size_t count, const PairLanes* pairs,
+	    PairEffects* effects, std::size_t groups);
 	// The contacts of eight pairs as a group. Returns the lanes, a bit each, where wnn would be 0.
-	unsigned (*assembleGroup)(const Place* places, const BodyVelocity* bodies, const Carried* carried, const PairLanes& pairs, Group& group,
-	    const RowSettings& settings);
+	unsigned (*assembleGroup)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes& pairs,
+	    Group& group, const RowSettings& settings);
 };
 
 // The kernels that this processor can run, the fastest first. The last one runs on any processor.
-struct GroupKernels {
-	const GroupKernel* first;
+template <class Space> struct GroupKernels {
+	const GroupKernel<Space>* first;
 	std::size_t count;
-	const GroupKernel* begin() const { return first; }
-	const GroupKernel* end() const { return first + count; }
+	const GroupKernel<Space>* begin() const { return first; }
+	const GroupKernel<Space>* end() const { return first + count; }
 };
-GroupKernels groupKernels();
+template <class Space> GroupKernels<Space> groupKernels();
 
 // The kernel in use: the fastest, unless a test or a benchmark has chosen another.
-const GroupKernel& groupKernel();
-void useGroupKernel(const GroupKernel&);
+template <class Space> const GroupKernel<Space>& groupKernel();
+template <class Space> void useGroupKernel(const GroupKernel<Space>&);
+
+template <> GroupKernels<Plane> groupKernels();
+template <> const GroupKernel<Plane>& groupKernel();
+template <> void useGroupKernel(const GroupKernel<Plane>&);
 
 } // namespace cd

@@ -4,6 +4,12 @@
 
 #include "problem/law.inl"
 
+using PackedBody = cd::PackedBody<Plane>;
+using Group = cd::Group<Plane>;
+using GroupBefore = cd::GroupBefore<Plane>;
+using BodyVelocity = cd::BodyVelocity<Plane>;
+using ContactRow = cd::ContactRow<Plane>;
+
 typedef double Vector __attribute__((vector_size(8 * LANES)));
 typedef double Quad __attribute__((vector_size(32), aligned(32), may_alias)); // a body
 
@@ -221,7 +227,7 @@ static void miss(const Group* groups, std::size_t count, const PackedBody* moved
 			Components<Vector> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
 			u.n += bias;
 			const Miss<Vector> miss
-			    = missOf<Vector>(p, u, frictionOf(g, lane), wnn, sizeOf(c, bias, motionOf(A), motionOf(B)), A.w + B.w);
+			    = missOf<Vector>(squaredMiss(p, u, frictionOf(g, lane), wnn), wnn, sizeOf(c, bias, motionOf(A), motionOf(B)), A.w + B.w);
 			const auto of = [lane](double* sum) -> Vector& { return *reinterpret_cast<Vector*>(sum + lane); };
 			struct {
 				Vector &difference, &square, &differenceEnergy, &squareEnergy, &missed, &worst, &mostMissed;

@@ -119,8 +119,8 @@ static unsigned assembleGroup(
 }
 
 // The formulas of effectOf() in account.cpp, for arms an = bn = 0.
-static void effects(
-    const Place* places, const Mean* means, const double* p, std::size_t count, const PairLanes* pairs, PairEffects* effects, std::size_t groups)
+static void effects(const Place* places, const Mean* means, const Plane::Impulse* p, std::size_t count, const PairLanes* pairs, PairEffects* effects,
+    std::size_t groups)
 {
 	for (std::size_t i = 0; i < groups * PairLanes::lanes; i += LANES) {
 		const PairLanes& pair = pairs[i / PairLanes::lanes];
@@ -130,9 +130,9 @@ static void effects(
 		const Bodies A = gather(means, pair.a + lane), B = gather(means, pair.b + lane);
 		Vector pn, pt;
 		for (int l = 0; l < LANES; l++) {
-			const std::size_t at = i + l < count ? 2 * (i + l) : 0;
-			pn[l] = p[at];
-			pt[l] = p[at + 1];
+			const std::size_t at = i + l < count ? i + l : 0;
+			pn[l] = p[at].n;
+			pt[l] = p[at].t;
 		}
 		const Vector nx = d.nx, ny = d.ny;
 		const Contact c = { nx, ny, d.radiusA - 0.5 * d.overlap, -(d.radiusB - 0.5 * d.overlap) };

@@ -79,7 +79,7 @@ void DelassusSweep::sweep(const ImpulsePairs* before, AheadReport* steps, std::s
 {
 	const RowGroups rows { packed.groups.data(), packed.start.data(), packed.slices.data(), packed.columns.data(), packed.grouping.firstSpread,
 		packed.impulses.data() };
-	groupKernel().sweepRows(rows, before, steps, from, to);
+	groupKernel<Plane>().sweepRows(rows, before, steps, from, to);
 }
 
 void DelassusSweep::operator()()
@@ -99,7 +99,7 @@ void DelassusSweep::ahead()
 	}
 	if (!packed.focus.empty())
 		return aheadInFocus();
-	groupKernel().extrapolateRows(packed.impulses.data(), packed.before.data(), packed.momentum.betas.data(), count);
+	groupKernel<Plane>().extrapolateRows(packed.impulses.data(), packed.before.data(), packed.momentum.betas.data(), count);
 	order.visit(count, [&](std::size_t from, std::size_t to) { sweep(packed.before.data(), packed.steps.data(), from, to); });
 	for (std::size_t g = 0; g < count; g++)
 		packed.momentum.afterStep(g, packed.steps[g]);
@@ -111,7 +111,7 @@ void DelassusSweep::aheadInFocus()
 {
 	for (std::size_t round = packed.groups.size() / packed.focus.size(); round > 0; round--) {
 		for (const int32_t g : packed.focus)
-			groupKernel().extrapolateRows(&packed.impulses[g], &packed.before[g], &packed.momentum.betas[g], 1);
+			groupKernel<Plane>().extrapolateRows(&packed.impulses[g], &packed.before[g], &packed.momentum.betas[g], 1);
 		for (const int32_t g : packed.focus) {
 			sweep(packed.before.data(), packed.steps.data(), g, g + 1);
 			packed.momentum.afterStep(g, packed.steps[g]);

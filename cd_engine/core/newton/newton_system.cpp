@@ -20,7 +20,7 @@ namespace {
 	}
 
 	// The rows of `system.contacts` that can be solved, ascending: all but those whose bodies cannot move along the normal.
-	std::vector<int32_t> solvableRows(ContactSystem& system)
+	std::vector<int32_t> solvableRows(ContactSystem<Plane>& system)
 	{
 		system.contacts.make();
 		std::vector<int32_t> rows;
@@ -30,11 +30,11 @@ namespace {
 		return rows;
 	}
 
-	bool moves(const BodyVelocity& b) { return b.w[0] > 0 || b.w[1] > 0 || b.w[2] > 0; }
+	bool moves(const BodyVelocity<Plane>& b) { return b.w[0] > 0 || b.w[1] > 0 || b.w[2] > 0; }
 
 } // namespace
 
-NewtonSystem<ContactSystem>::NewtonSystem(ContactSystem& s)
+NewtonSystem<ContactSystem<Plane>>::NewtonSystem(ContactSystem<Plane>& s)
     : system(s)
     , rows(solvableRows(s))
     , freeVelocity(3 * s.bodies.size())
@@ -46,7 +46,7 @@ NewtonSystem<ContactSystem>::NewtonSystem(ContactSystem& s)
 	for (std::size_t i = 0; i < s.bodies.size(); i++)
 		std::copy_n(s.bodies[i].v, 3, &freeVelocity[3 * i]);
 	for (std::size_t i = 0; i < rows.size(); i++) {
-		const ContactRow& c = s.contacts[rows[i]];
+		const ContactRow<Plane>& c = s.contacts[rows[i]];
 		d[2 * i] = c.wnn;
 		// If nothing can move along t, any positive number will do.
 		d[2 * i + 1] = c.wtt > 0 ? c.wtt : c.wnn;
@@ -59,7 +59,7 @@ NewtonSystem<ContactSystem>::NewtonSystem(ContactSystem& s)
 	}
 }
 
-void NewtonSystem<ContactSystem>::load(std::vector<double>& p) const
+void NewtonSystem<ContactSystem<Plane>>::load(std::vector<double>& p) const
 {
 	p.resize(2 * size());
 	for (std::size_t i = 0; i < size(); i++) {
@@ -68,7 +68,7 @@ void NewtonSystem<ContactSystem>::load(std::vector<double>& p) const
 	}
 }
 
-void NewtonSystem<ContactSystem>::store(const std::vector<double>& p)
+void NewtonSystem<ContactSystem<Plane>>::store(const std::vector<double>& p)
 {
 	for (std::size_t i = 0; i < system.bodies.size(); i++)
 		std::copy_n(&freeVelocity[3 * i], 3, system.bodies[i].v);
@@ -76,29 +76,30 @@ void NewtonSystem<ContactSystem>::store(const std::vector<double>& p)
 		system.contacts[rows[i]].pn = p[2 * i];
 		system.contacts[rows[i]].pt = p[2 * i + 1];
 	}
-	for (const ContactRow& c : system.contacts)
-		applyImpulse(c, system.bodies[c.a], system.bodies[c.b], c.pn, c.pt);
+	for (const ContactRow<Plane>& c : system.contacts)
+		applyImpulse(c, system.bodies[c.a], system.bodies[c.b], impulseOf(c));
 }
 
-void NewtonSystem<ContactSystem>::velocities(const std::vector<double>& p, std::vector<double>& u)
+void NewtonSystem<ContactSystem<Plane>>::velocities(const std::vector<double>& p, std::vector<double>& u)
 {
 	store(p);
 	u.resize(2 * size());
 	for (std::size_t i = 0; i < size(); i++) {
-		const ContactRow& c = system.contacts[rows[i]];
-		relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], u[2 * i], u[2 * i + 1]);
-		u[2 * i] += c.bias;
+		const ContactRow<Plane>& c = system.contacts[rows[i]];
+		const auto [un, ut] = relativeVelocity(c, system.bodies[c.a], system.bodies[c.b]);
+		u[2 * i] = un + c.bias;
+		u[2 * i + 1] = ut;
 	}
 }
 
 // Contacts that have been open so far need no place in the matrix. In a packing they can be half of all contacts.
-void NewtonSystem<ContactSystem>::plan(const std::vector<ContactState>& states)
+void NewtonSystem<ContactSystem<Plane>>::plan(const std::vector<ContactState>& states)
 {
 	if (!markClosed(states, planned) && matrix.rows() == system.bodies.size())
 		return;
 	std::vector<std::pair<int32_t, int32_t>> pairs;
 	for (std::size_t i = 0; i < size(); i++) {
-		const ContactRow& c = system.contacts[rows[i]];
+		const ContactRow<Plane>& c = system.contacts[rows[i]];
 		if (planned[i] && moves(system.bodies[c.a]) && moves(system.bodies[c.b]))
 			pairs.emplace_back(c.a, c.b);
 	}
@@ -108,7 +109,7 @@ void NewtonSystem<ContactSystem>::plan(const std::vector<ContactState>& states)
 // z is the change of M^(1/2) v from v(pk), and a_n, a_t are the rows of H^T M^(-1/2). Eliminating the impulses contact by contact leaves
 //   (sigma + sum a_n a_n'/D_n + sum a_t a_t'/D_t +- sum mu a_t a_n'/D_n) z = the push of the contacts at z = 0.
 // The first sum is over contacts that are not open, the second over sticking contacts, the third over sliding ones.
-void NewtonSystem<ContactSystem>::assemble(const Proximal& at)
+void NewtonSystem<ContactSystem<Plane>>::assemble(const Proximal& at)
 {
 	matrix.clear();
 	std::fill(z.begin(), z.end(), 0);
@@ -117,7 +118,7 @@ void NewtonSystem<ContactSystem>::assemble(const Proximal& at)
 		own[0] = own[4] = own[8] = at.sigma;
 	}
 	for (std::size_t i = 0; i < size(); i++) {
-		const ContactRow& c = system.contacts[rows[i]];
+		const ContactRow<Plane>& c = system.contacts[rows[i]];
 		const int32_t body[2] = { c.a, c.b };
 		const ContactState state = at.states[i];
 		const bool open = state == ContactState::open, stick = state == ContactState::stick;
@@ -147,7 +148,7 @@ void NewtonSystem<ContactSystem>::assemble(const Proximal& at)
 	}
 }
 
-bool NewtonSystem<ContactSystem>::solve(const Proximal& at, std::vector<double>& p)
+bool NewtonSystem<ContactSystem<Plane>>::solve(const Proximal& at, std::vector<double>& p)
 {
 	assert(at.sigma > 0 && at.pk.size() == 2 * size() && at.u.size() == 2 * size() && at.states.size() == size());
 	plan(at.states);
@@ -159,7 +160,7 @@ bool NewtonSystem<ContactSystem>::solve(const Proximal& at, std::vector<double>&
 	for (std::size_t i = 0; i < size(); i++) {
 		if (at.states[i] == ContactState::open)
 			continue;
-		const ContactRow& c = system.contacts[rows[i]];
+		const ContactRow<Plane>& c = system.contacts[rows[i]];
 		double un = at.u[2 * i], ut = at.u[2 * i + 1];
 		for (std::size_t k = 0; k < 6; k++) {
 			const double change = z[3 * static_cast<std::size_t>(k < 3 ? c.a : c.b) + k % 3];

@@ -45,9 +45,9 @@ template <int B> class NewtonMatrix {
 template <class System> class NewtonSystem;
 
 // In the velocities of the bodies: three unknowns a body. Bodies that touch couple.
-template <> class NewtonSystem<ContactSystem> : public NewtonMatrix<3> {
+template <> class NewtonSystem<ContactSystem<Plane>> : public NewtonMatrix<3> {
     public:
-	explicit NewtonSystem(ContactSystem&);
+	explicit NewtonSystem(ContactSystem<Plane>&);
 
 	std::size_t size() const { return rows.size(); } // contacts that can be solved; the others keep their impulses
 	double friction(std::size_t i) const { return system.contacts[rows[i]].mu; }
@@ -65,7 +65,7 @@ template <> class NewtonSystem<ContactSystem> : public NewtonMatrix<3> {
 	void plan(const std::vector<ContactState>&);
 	void assemble(const Proximal&);
 
-	ContactSystem& system;
+	ContactSystem<Plane>& system;
 	std::vector<int32_t> rows; // of the contacts in system.contacts
 	std::vector<double> freeVelocity; // as in residual.hpp
 	// Of each contact: how u_n and u_t depend on the velocities of a and b, times the square roots of their inverse masses. In the order n of a,

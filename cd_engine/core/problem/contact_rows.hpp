@@ -11,17 +11,21 @@
 namespace cd {
 
 // Knows the contacts of a system whose rows have not been made.
-class RowSource {
+template <class Space> class RowSource {
     public:
 	// All rows, with their first guesses.
-	virtual void makeRows(std::vector<ContactRow>&) = 0;
-	virtual ContactRow row(int32_t contact) const = 0;
+	virtual void makeRows(std::vector<ContactRow<Space>>&) = 0;
+	virtual ContactRow<Space> row(int32_t contact) const = 0;
 
     protected:
 	~RowSource() = default;
 };
 
-class ContactRows {
+template <class Space> class ContactRows {
+	using ContactRow = cd::ContactRow<Space>;
+	using RowSource = cd::RowSource<Space>;
+	using Impulse = ImpulseOf<Space>;
+
     public:
 	std::size_t size() const { return count; }
 	bool empty() const { return count == 0; }
@@ -76,22 +80,20 @@ class ContactRows {
 		rows.resize(count);
 		source->makeRows(rows);
 		source = nullptr;
-		for (std::size_t i = 0; solved && i < rows.size(); i++) {
-			rows[i].pn = impulses[2 * i];
-			rows[i].pt = impulses[2 * i + 1];
-		}
+		for (std::size_t i = 0; solved && i < rows.size(); i++)
+			setImpulse(rows[i], impulses[i]);
 	}
 	// The rows cannot be made any more: those stored are of an earlier step.
 	void forgetSource() { source = nullptr; }
 
-	// While they are postponed: impulses beside the rows, two a contact.
-	double* storeBeside()
+	// While they are postponed: impulses beside the rows.
+	Impulse* storeBeside()
 	{
 		solved = true;
-		impulses.resize(2 * count);
+		impulses.resize(count);
 		return impulses.data();
 	}
-	const double* solution() const { return impulses.data(); }
+	const Impulse* solution() const { return impulses.data(); }
 	bool solvedBeside() const { return source && solved; }
 	void forgetSolution() { solved = false; }
 
@@ -101,7 +103,7 @@ class ContactRows {
 	std::vector<ContactRow> rows;
 	int unread = 0; // steps in a row whose rows nobody has read
 	RowSource* source = nullptr;
-	std::vector<double> impulses;
+	std::vector<Impulse> impulses;
 	bool solved = false;
 };
 

@@ -20,10 +20,10 @@ namespace cd {
 
 class Workspace;
 
-struct ContactSystem {
-	std::vector<std::array<double, 2>> places; // of the bodies' centres [m]; empty where they are not known
-	std::vector<BodyVelocity> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
-	ContactRows contacts; // solvers may sweep them in any order but must not reorder them
+template <class Space> struct ContactSystem {
+	std::vector<std::array<double, Space::components>> places; // of the bodies' centres [m]; empty where they are not known
+	std::vector<BodyVelocity<Space>> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
+	ContactRows<Space> contacts; // solvers may sweep them in any order but must not reorder them
 	Workspace* memory = nullptr; // for those who work on it (workspace.hpp); null: they allocate their own each time
 	// Systems with the same memory and the same number have contacts between the same bodies, of the same masses. 0: nothing is known.
 	std::size_t contactSet = 0;
@@ -32,14 +32,13 @@ struct ContactSystem {
 	bool consistent() const
 	{
 		const auto body = [this](int32_t i) { return i >= 0 && static_cast<std::size_t>(i) < bodies.size(); };
-		return (places.empty() || places.size() == bodies.size()) && std::all_of(contacts.begin(), contacts.end(), [&](const ContactRow& c) {
-			return body(c.a) && body(c.b) && std::abs(c.nx * c.nx + c.ny * c.ny - 1) < 1e-6 && !(c.mu < 0);
-		});
+		return (places.empty() || places.size() == bodies.size())
+		    && std::all_of(contacts.begin(), contacts.end(), [&](const auto& c) { return body(c.a) && body(c.b) && c.consistent(); });
 	}
 
 	void assembleBlocks()
 	{
-		for (ContactRow& c : contacts)
+		for (ContactRow<Space>& c : contacts)
 			c.assembleBlock(bodies[c.a], bodies[c.b]);
 	}
 };

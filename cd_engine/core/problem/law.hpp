@@ -11,28 +11,42 @@ namespace cd {
 
 #include "problem/law.inl"
 
-inline Components<double> impulseOf(const ContactRow& c) { return { c.pn, c.pt }; }
-inline void setImpulse(ContactRow& c, const Components<double>& p)
+inline Components<double> impulseOf(const ContactRow<Plane>& c) { return { c.pn, c.pt }; }
+inline void setImpulse(ContactRow<Plane>& c, const Components<double>& p)
 {
 	c.pn = p.n;
 	c.pt = p.t;
 }
-inline Friction<double> frictionOf(const ContactRow& c) { return { c.mu }; }
-inline Motion<double> motionOf(const double* v) { return { v[0], v[1], v[2] }; }
+inline bool isZero(const Components<double>& p) { return p.n == 0 && p.t == 0; }
+inline double length(const Components<double>& p) { return std::hypot(p.n, p.t); }
+inline Friction<double> frictionOf(const ContactRow<Plane>& c) { return { c.mu }; }
+inline Motion<double&> velocityOf(BodyVelocity<Plane>& b) { return { b.v[0], b.v[1], b.v[2] }; }
+// From an array of the freedoms of a body.
+template <class Space> inline MotionOf<Space> motionOf(const double*);
+template <> inline Motion<double> motionOf<Plane>(const double* v) { return { v[0], v[1], v[2] }; }
+// How much the magnitude of an impulse acts on the bodies of a contact with these inverse masses [m/s].
+inline double actingOnA(const Motion<double>& w, const ContactRow<Plane>& c, const Components<double>& p) { return actingOn(w, c, c.an, c.at, p); }
+inline double actingOnB(const Motion<double>& w, const ContactRow<Plane>& c, const Components<double>& p) { return actingOn(w, c, c.bn, c.bt, p); }
 
-// u_n and u_t of one contact for the bodies' present velocities.
-inline void relativeVelocity(const ContactRow& c, const BodyVelocity& A, const BodyVelocity& B, double& un, double& ut)
+// u of one contact for the bodies' present velocities, without the bias.
+template <class Space> ImpulseOf<Space> relativeVelocity(const ContactRow<Space>& c, const BodyVelocity<Space>& A, const BodyVelocity<Space>& B)
 {
-	const Components<double> u = relativeVelocity<false>(c, motionOf(A.v), motionOf(B.v));
-	un = u.n;
-	ut = u.t;
+	return relativeVelocity<false>(c, motionOf<Space>(A.v), motionOf<Space>(B.v));
 }
 
-// Adds the impulse (pn, pt) on `b` and its reaction on `a`.
-inline void applyImpulse(const ContactRow& c, BodyVelocity& A, BodyVelocity& B, double pn, double pt)
+// Adds an impulse on `b` and its reaction on `a`.
+template <class Space> void applyImpulse(const ContactRow<Space>& c, BodyVelocity<Space>& A, BodyVelocity<Space>& B, const ImpulseOf<Space>& p)
 {
-	const auto velocity = [](BodyVelocity& b) { return Motion<double&> { b.v[0], b.v[1], b.v[2] }; };
-	push(actionOf(c, Components<double> { pn, pt }), velocity(A), motionOf(A.w), velocity(B), motionOf(B.w));
+	push(actionOf(c, p), velocityOf(A), motionOf<Space>(A.w), velocityOf(B), motionOf<Space>(B.w));
+}
+
+// How far a contact misses its law at the velocities a, b of its bodies; acts: what acts on both [m/s].
+template <class Space>
+Miss<double> missOf(const ContactRow<Space>& c, double compliance, const MotionOf<Space>& a, const MotionOf<Space>& b, double acts)
+{
+	ImpulseOf<Space> u = relativeVelocity<false>(c, a, b);
+	u.n += c.bias;
+	return missOf<double>(squaredMiss(impulseOf(c), u, frictionOf(c), compliance), compliance, sizeOf(c, c.bias, a, b), acts);
 }
 
 // |p - P_K(...)|^2; un, ut: relative velocity, with the bias.
@@ -77,12 +91,14 @@ inline Components<double> solveLocal(double wnn, double wnt, double wtn, double 
 }
 
 // The impulses of a contact while all others are held; u: relative velocity with the impulses p, and with the bias.
-inline Components<double> solveContact(const ContactRow& c, const Components<double>& u, const Components<double>& p)
+inline Components<double> solveContact(const ContactRow<Plane>& c, const Components<double>& u, const Components<double>& p)
 {
 	assert(c.wnn > 0);
 	if (c.wnt == 0 && c.wtt > 0)
 		return cut<double>({ p.n - u.n / c.wnn, p.t - u.t / c.wtt }, frictionOf(c));
 	return solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, u.n - (c.wnn * p.n + c.wnt * p.t), u.t - (c.wnt * p.n + c.wtt * p.t));
 }
+// The same where it has none. -0: 0 - 0 would lose the sign of a zero.
+inline Components<double> solveContact(const ContactRow<Plane>& c, const Components<double>& u) { return solveContact(c, u, { -0., -0. }); }
 
 } // namespace cd

@@ -142,12 +142,11 @@ template <class N> struct Miss {
 
 // Without what round-off explains. A body that glides along another at 1 m/s cannot be told from one pressed on it with 1e-16 of its momentum.
 // Velocities are sums of what acts, and known only to the round-off of these sums. That round-off is no violation of the law, but it is an error of
-// the bodies. size: sizeOf(); acts: on both bodies [m/s].
-template <class N, class W>
-LAW Miss<N> missOf(const Components<N>& p, const Components<N>& u, const Friction<N>& by, const W& wnn, const N& size, const N& acts)
+// the bodies. square: squaredMiss(); size: sizeOf(); acts: on both bodies [m/s].
+template <class N, class W> LAW Miss<N> missOf(const N& square, const W& wnn, const N& size, const N& acts)
 {
 	constexpr double epsilon = 2.220446049250313e-16, roundOff = 4 * epsilon;
-	const N none = {}, square = squaredMiss(p, u, by, wnn);
+	const N none = {};
 	const N ofVelocities = roundOff * size, least = epsilon * acts;
 	const N known = over<N>(ofVelocities, wnn), knownOfSums = over<N>(ofVelocities + roundOff * acts, wnn);
 	return { square <= knownOfSums * knownOfSums ? none : square,

@@ -37,6 +37,9 @@ inline bool isBoundary(const Place& p) { return p.radius == 0; }
 // Whether no force changes the motion of a body, so that it is known before the step is solved.
 inline bool isGuided(const Body& b) { return b.inverseMass[0] == 0 && b.inverseMass[1] == 0 && b.inverseMass[2] == 0; }
 
+// Whether two bodies are alike but for their motion, masses and forces.
+inline bool samePlace(const Body& b, const Body& c) { return b.x == c.x && b.y == c.y && b.radius == c.radius && b.friction == c.friction; }
+
 // The place of a body after `ahead` [s] at its present velocities.
 inline Place placeAhead(const Body& b, double ahead) { return { b.x + ahead * b.v[0], b.y + ahead * b.v[1], ahead * b.v[2], b.radius }; }
 

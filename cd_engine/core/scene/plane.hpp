@@ -1,11 +1,28 @@
-// What counts in the plane. A description of space would have 6 freedoms and 3 components.
+// What the templates of the core need to know of the plane. Everything else that names a dimension is a specialization of them, written by hand:
+// `template <> struct ContactRow<Plane>`. A description of space would have 6 freedoms and 3 components.
 #pragma once
 
 namespace cd {
 
+struct Body;
+struct Carried;
+struct Shape;
+template <class N> struct Components; // law.inl
+template <class N> struct Motion;
+
 struct Plane {
 	static constexpr int freedoms = 3; // of a body: x, y, and the rotation about z
 	static constexpr int components = 2; // of a position or a force
+	using Impulse = Components<double>; // or a relative velocity
+	using Motion = cd::Motion<double>; // velocity and angular velocity of a body, or the inverses of its masses
+	using Body = cd::Body;
+	using Carried = cd::Carried;
+	using Shape = cd::Shape;
 };
+
+template <class Space> using ImpulseOf = typename Space::Impulse;
+template <class Space> using MotionOf = typename Space::Motion;
+template <class Space> using BodyOf = typename Space::Body;
+template <class Space> using ShapeOf = typename Space::Shape;
 
 } // namespace cd

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <tuple>
 
 namespace cd {
 
@@ -22,6 +23,12 @@ struct Shape {
 	int axis = 0; // wall: the axis it is perpendicular to, 0 = x, 1 = y
 	int sense = 0; // wall: the side it acts on, -1, +1, or 0 for both
 };
+
+inline bool operator==(const Shape& s, const Shape& o)
+{
+	const auto all = [](const Shape& of) { return std::tie(of.kind, of.ex, of.ey, of.cosine, of.sine, of.axis, of.sense); };
+	return all(s) == all(o);
+}
 
 // Half the sides of the axis-parallel bounding box of a body [m]. A Wall is endless along itself.
 struct Half {

@@ -1,6 +1,7 @@
 // A scene: bodies, their shapes, and the pairs of shapes that may touch. A time step reads and moves it. Nothing here depends on YADE or Python.
 #pragma once
 
+#include "base/base.hpp"
 #include "scene/pair.hpp"
 #include "scene/shape.hpp"
 
@@ -8,15 +9,19 @@
 
 namespace cd {
 
-struct World {
+template <class Space> struct WorldOf {
+	using Body = BodyOf<Space>;
+
 	std::vector<Body> bodies;
-	std::vector<Shape> shapes; // stored separately from the bodies, because the shapes of disks are never read
+	std::vector<ShapeOf<Space>> shapes; // stored separately from the bodies, because the shapes of disks are never read
 	// Of each shape: two make a pair only if their masks share a bit, but not if both have one mask and it has a bit of `apart`. 0: the shape has
 	// no contacts.
 	std::vector<int32_t> masks;
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
-	std::vector<Carried> carried; // by the contacts of the pairs
+	// Of each pair: its first contact, then the number of all. Empty where each pair has one, of its own number, as in the plane.
+	std::vector<int32_t> firstContact;
+	std::vector<typename Space::Carried> carried; // by contact
 	std::vector<double> restitutions; // of the pairs; empty: StepSettings::restitution for all
 	// Of each shape [m]: the list of pairs holds every two whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
@@ -25,7 +30,22 @@ struct World {
 
 	// The body that a shape moves with. In the plane each body has one shape, of its own number.
 	const Body& bodyOf(std::size_t shape) const { return bodies[shape]; }
+
+	std::size_t contacts() const { return firstContact.empty() ? pairs.size() : static_cast<std::size_t>(firstContact.back()); }
+	Range contactsOf(std::size_t pair) const
+	{
+		if (firstContact.empty())
+			return { pair, pair + 1 };
+		return { static_cast<std::size_t>(firstContact[pair]), static_cast<std::size_t>(firstContact[pair + 1]) };
+	}
+	// Whether any contact of a pair carries a force.
+	bool carries(std::size_t pair) const
+	{
+		const Range of = contactsOf(pair);
+		return std::any_of(&carried[of.from], &carried[of.from] + of.size(), [](const auto& c) { return c.any(); });
+	}
 };
+using World = WorldOf<Plane>;
 
 // Whether no force can keep the two bodies of a pair apart. Such pairs have contacts, but their overlap means nothing: fixed disks that make a fixed
 // floor rough may be half sunk in it.

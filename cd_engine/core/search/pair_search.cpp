@@ -115,7 +115,7 @@ bool PairSearch::needed(World& world, double dt, double leastMargin, const std::
 
 void PairSearch::find(World& world, const std::vector<int>& rank)
 {
-	assert(needs.size() == world.shapes.size() && (rank.empty() || rank.size() == world.shapes.size()));
+	assert(world.firstContact.empty() && needs.size() == world.shapes.size() && (rank.empty() || rank.size() == world.shapes.size()));
 	chooseMargins(world);
 	seen.clear();
 	for (std::size_t i = 0; i < world.shapes.size(); i++)

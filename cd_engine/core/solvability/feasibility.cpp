@@ -5,6 +5,7 @@
 // b . y = -|y|^2 < 0. The minimum is found by Newton's method: each step solves the least squares problem of the contacts that now close by
 // conjugate gradients (CGLS).
 #include "solvability/feasibility.hpp"
+#include "solvability/resolution.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -27,13 +28,13 @@ namespace {
 	}
 
 	// The normal relative velocity of a contact for three numbers a body.
-	double normalVelocity(const ContactRow& c, const std::vector<double>& v)
+	double normalVelocity(const ContactRow<Plane>& c, const std::vector<double>& v)
 	{
-		return relativeVelocity<false>(c, motionOf(&v[3 * c.a]), motionOf(&v[3 * c.b])).n;
+		return relativeVelocity<false>(c, motionOf<Plane>(&v[3 * c.a]), motionOf<Plane>(&v[3 * c.b])).n;
 	}
 
 	// The velocities at which blocked freedoms move as they do, and all others along with `boundary` as one rigid body; -1: they rest.
-	void moveAlong(const ContactSystem& s, int32_t boundary, const std::vector<double>& free, std::vector<double>& v)
+	void moveAlong(const ContactSystem<Plane>& s, int32_t boundary, const std::vector<double>& free, std::vector<double>& v)
 	{
 		v = free;
 		for (std::size_t i = 0; i < s.bodies.size(); i++) {
@@ -54,16 +55,16 @@ namespace {
 	// Rows are weighted by 1/sqrt(W_nn) and velocities by the square roots of the masses, so that the rows of J have length 1.
 	class LeastSquares {
 	    public:
-		void read(const ContactSystem& s, const std::vector<double>& free)
+		void read(const ContactSystem<Plane>& s, const std::vector<double>& free)
 		{
 			clear(free.size());
 			moveAlong(s, -1, free, v);
 			for (std::size_t i = 0; i < s.contacts.size(); i++) {
-				const ContactRow& c = s.contacts[i];
+				const ContactRow<Plane>& c = s.contacts[i];
 				if (!(c.wnn > 0))
 					continue;
-				double un, ut, terms = std::abs(c.bias);
-				relativeVelocity(c, s.bodies[c.a], s.bodies[c.b], un, ut);
+				const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
+				double terms = std::abs(c.bias);
 				const double arms[2][3] = { { -c.nx, -c.ny, -c.an }, { c.nx, c.ny, c.bn } };
 				for (const int side : { 0, 1 })
 					for (int k = 0; k < 3; k++) {
@@ -253,7 +254,7 @@ namespace {
 
 } // namespace
 
-Feasibility feasibility(const ContactSystem& s, const std::vector<double>& freeVelocity, double least, int products)
+Feasibility feasibility(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity, double least, int products)
 {
 	const Borrowed<LeastSquares> search(s.memory);
 	search->read(s, freeVelocity);
@@ -266,29 +267,35 @@ Feasibility feasibility(const DelassusSystem& s, double least, int products)
 	return search->search(least, products);
 }
 
-bool surelySolvable(const ContactSystem& s, Threads* threads)
+template <class Space> bool surelySolvable(const ContactSystem<Space>& s, Threads* threads)
 {
 	return !anyOf(threads, s.bodies.size(), [&](std::size_t i) { return isDriven(s.bodies[i]); })
 	    && (s.contacts.postponed() // they push nothing
 		|| !anyOf(threads, s.contacts.size(), [&](std::size_t i) { return !(s.contacts[i].bias >= 0); }));
 }
+template bool surelySolvable(const ContactSystem<Plane>&, Threads*);
 
-bool staysOpen(const ContactSystem& s, const std::vector<double>& freeVelocity, double least)
+double closingOfBoundaries(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
 {
 	const Borrowed<std::vector<double>, LeastSquares> borrowed(s.memory);
 	std::vector<double>& v = *borrowed;
-	const auto open = [&](int32_t along) {
+	const auto closing = [&](int32_t along) {
 		moveAlong(s, along, freeVelocity, v);
-		return std::all_of(s.contacts.begin(), s.contacts.end(),
-		    [&](const ContactRow& c) { return !(c.wnn > 0) || normalVelocity(c, v) + c.bias >= -least; });
+		double fastest = 0;
+		for (const ContactRow<Plane>& c : s.contacts)
+			if (c.wnn > 0) {
+				const double size = sizeOf<double>(c, c.bias, motionOf<Plane>(&v[3 * c.a]), motionOf<Plane>(&v[3 * c.b]));
+				fastest = std::max(fastest, -(normalVelocity(c, v) + c.bias) - roundOff * size);
+			}
+		return fastest;
 	};
-	if (open(-1))
-		return true;
-	for (const ContactRow& c : s.contacts)
+	for (const ContactRow<Plane>& c : s.contacts)
 		for (const int32_t i : { c.a, c.b })
-			if (c.wnn > 0 && s.bodies[i].w[0] == 0 && s.bodies[i].w[1] == 0)
-				return (freeVelocity[3 * i + 2] == 0 || !s.places.empty()) && open(i);
-	return false;
+			if (c.wnn > 0 && s.bodies[i].w[0] == 0 && s.bodies[i].w[1] == 0 && (freeVelocity[3 * i + 2] == 0 || !s.places.empty())) {
+				const double alongside = closing(i);
+				return alongside > 0 ? std::min(alongside, closing(-1)) : 0;
+			}
+	return closing(-1);
 }
 
 } // namespace cd

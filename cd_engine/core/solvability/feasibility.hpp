@@ -11,15 +11,18 @@
 namespace cd {
 
 // Whether a blocked freedom of a body moves.
-inline bool isDriven(const BodyVelocity& b)
+template <class Space> bool isDriven(const BodyVelocity<Space>& b)
 {
-	return (!(b.w[0] > 0) && b.v[0] != 0) || (!(b.w[1] > 0) && b.v[1] != 0) || (!(b.w[2] > 0) && b.v[2] != 0);
+	bool driven = false;
+	for (int k = 0; k < Space::freedoms; k++)
+		driven = driven || (!(b.w[k] > 0) && b.v[k] != 0);
+	return driven;
 }
 // Whether no blocked freedom moves and no bias is negative: then zero velocities close no contact. Costs a look at every body and contact.
-bool surelySolvable(const ContactSystem&, Threads* = nullptr);
-// The same if boundaries move, but no contact closes faster than `least` [m/s] when all other bodies rest, or move along with the boundaries as one
-// rigid body: belts, drums, shaken boxes. freeVelocity: as in residual.hpp. Costs a few passes over the contacts. Not known of a matrix.
-bool staysOpen(const ContactSystem&, const std::vector<double>& freeVelocity, double least);
+template <class Space> bool surelySolvable(const ContactSystem<Space>&, Threads* = nullptr);
+// How fast boundaries and biases close contacts [m/s]: the fastest closing if all other bodies rest, or move along with the boundaries as one rigid
+// body, whichever is less. It is 0 for belts, drums and shaken boxes. freeVelocity: as in residual.hpp. Costs a few passes over the contacts.
+double closingOfBoundaries(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
 
 struct Feasibility {
 	bool possible = false; // velocities were found at which no contact closes faster than `least`
@@ -28,7 +31,7 @@ struct Feasibility {
 
 // Searches for such velocities, from those of the impulses in the system, with at most `products` products with J and its transpose. For a matrix
 // problem, velocities are W p + q for all p, whatever their signs.
-Feasibility feasibility(const ContactSystem&, const std::vector<double>& freeVelocity, double least, int products);
+Feasibility feasibility(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity, double least, int products);
 Feasibility feasibility(const DelassusSystem&, double least, int products);
 
 } // namespace cd

@@ -11,7 +11,6 @@ namespace {
 	// Power with which loaded contacts close, less that with which they part, over the sum of both. It is 1 where boundaries close in on
 	// bodies; the errors of sweeps have either sign and mostly cancel.
 	constexpr double yielding = 0.4;
-	constexpr double roundOff = 16 * std::numeric_limits<double>::epsilon(); // of velocities, relative to the magnitudes of their terms
 	constexpr double sixDigits = 1e-5; // round-off of p . W p relative to its terms, if the numbers of W come from a file with six digits
 
 	class Sum {
@@ -60,21 +59,18 @@ namespace {
 
 } // namespace
 
-Resolution resolution(const ContactSystem& s, const std::vector<double>& freeVelocity)
+Resolution resolution(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
 {
 	assert(freeVelocity.size() == 3 * s.bodies.size());
 	Sum sum;
 	for (std::size_t i = 0; i < s.contacts.size(); i++) {
-		const ContactRow& c = s.contacts[i];
+		const ContactRow<Plane>& c = s.contacts[i];
 		if (!(c.wnn > 0))
 			continue;
-		double un, ut;
-		relativeVelocity(c, s.bodies[c.a], s.bodies[c.b], un, ut);
-		const double free = relativeVelocity<false>(c, motionOf(&freeVelocity[3 * c.a]), motionOf(&freeVelocity[3 * c.b])).n;
-		const double *va = s.bodies[c.a].v, *vb = s.bodies[c.b].v;
-		const double terms
-		    = std::abs(va[0]) + std::abs(va[1]) + std::abs(vb[0]) + std::abs(vb[1]) + std::abs(c.an * va[2]) + std::abs(c.bn * vb[2]);
-		sum.add(static_cast<int32_t>(i), c.wnn, un + c.bias, free + c.bias, terms + std::abs(c.bias), c.pn, c.pt);
+		const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
+		const double free = relativeVelocity<false>(c, motionOf<Plane>(&freeVelocity[3 * c.a]), motionOf<Plane>(&freeVelocity[3 * c.b])).n;
+		const double size = sizeOf<double>(c, c.bias, motionOf<Plane>(s.bodies[c.a].v), motionOf<Plane>(s.bodies[c.b].v));
+		sum.add(static_cast<int32_t>(i), c.wnn, un + c.bias, free + c.bias, size, c.pn, c.pt);
 	}
 	return sum.result();
 }
@@ -102,7 +98,7 @@ Resolution resolution(const DelassusSystem& s)
 	return sum.result();
 }
 
-double energyGain(const ContactSystem& s, const std::vector<double>& freeVelocity)
+double energyGain(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
 {
 	double after = 0, before = 0; // twice the energies [J]
 	for (std::size_t i = 0; i < s.bodies.size(); i++)

@@ -9,9 +9,12 @@
 #include "problem/problem.hpp"
 #include "base/base.hpp"
 
+#include <limits>
 #include <vector>
 
 namespace cd {
+
+constexpr double roundOff = 16 * std::numeric_limits<double>::epsilon(); // of velocities, relative to the magnitudes of their terms
 
 struct Resolution {
 	// Largest |min(u_n, W_nn p_n)| [m/s]: the speed of a contact that closes, or that parts although it carries something (Signorini's
@@ -27,13 +30,13 @@ struct Resolution {
 
 // Of the impulses in the system. Costs a pass over the contacts; for a matrix, a product with W. freeVelocity: as in residual.hpp; the bodies have
 // the velocities of the impulses.
-Resolution resolution(const ContactSystem&, const std::vector<double>& freeVelocity);
+Resolution resolution(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
 Resolution resolution(const DelassusSystem&);
 
 // With a larger growth, round-off makes velocities wrong by a ten-thousandth of those that the impulses must stop. A mass ratio of 1 : 1e8 makes 1e8.
 constexpr double mostGrowth = 1e11;
 
 // The kinetic energy after the impulses over that before them; infinite if there was none. Where no boundary moves a body, more than 1 is wrong.
-double energyGain(const ContactSystem&, const std::vector<double>& freeVelocity);
+double energyGain(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
 
 } // namespace cd

@@ -26,7 +26,7 @@
 namespace cd {
 namespace {
 
-	class Momentum {
+	template <class Sweep> class Momentum {
 	    public:
 		explicit Momentum(Sweep& s)
 		    : sweep(s)
@@ -100,7 +100,11 @@ namespace {
 
 } // namespace
 
-SolverReport accelerated(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep, Momentum>(system, settings); }
+template <class Space> SolverReport accelerated(ContactSystem<Space>& system, const SolverSettings& settings)
+{
+	return iterate<Sweep<Space>, Momentum<Sweep<Space>>>(system, settings);
+}
+template SolverReport accelerated(ContactSystem<Plane>&, const SolverSettings&);
 
 // Momentum of groups can oscillate for ever: over W = 1 + 0.02, all entries, 1000 contacts, it stays at an error of 0.6, while plain sweeps
 // need 250. Plain sweeps are therefore tried, too. Both are compared at the same number of sweeps. The one with the smaller error goes on to

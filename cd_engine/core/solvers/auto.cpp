@@ -18,7 +18,7 @@ namespace {
 	constexpr double mostWork = 2e9;
 	constexpr int mostSteps = 3000; // limit on all steps; problems that can be solved take 10 to 1000
 
-	std::size_t size(const ContactSystem& s) { return s.bodies.size(); }
+	std::size_t size(const ContactSystem<Plane>& s) { return s.bodies.size(); }
 	std::size_t size(const DelassusSystem& s) { return s.contacts(); }
 
 	// Newton's method from the impulses in the system and, if it stagnates, from the first guess. Keeps the better result.
@@ -66,7 +66,7 @@ namespace {
 
 } // namespace
 
-SolverReport automatic(ContactSystem& system, const SolverSettings& settings) { return solve(system, settings); }
+SolverReport automatic(ContactSystem<Plane>& system, const SolverSettings& settings) { return solve(system, settings); }
 SolverReport automatic(DelassusSystem& system, const SolverSettings& settings) { return solve(system, settings); }
 
 } // namespace cd

@@ -171,7 +171,7 @@ namespace {
 
 } // namespace
 
-SolverReport newton(ContactSystem& s, const SolverSettings& t) { return solve<ContactSystem>(s, t); }
+SolverReport newton(ContactSystem<Plane>& s, const SolverSettings& t) { return solve<ContactSystem<Plane>>(s, t); }
 SolverReport newton(DelassusSystem& s, const SolverSettings& t) { return solve<DelassusSystem>(s, t); }
 
 } // namespace cd

@@ -6,7 +6,12 @@
 
 namespace cd {
 
-SolverReport nsgs(ContactSystem& system, const SolverSettings& settings) { return iterate<Sweep>(system, settings); }
+template <class Space> SolverReport nsgs(ContactSystem<Space>& system, const SolverSettings& settings)
+{
+	return iterate<Sweep<Space>>(system, settings);
+}
+template SolverReport nsgs(ContactSystem<Plane>&, const SolverSettings&);
+
 SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
 
 } // namespace cd

@@ -9,7 +9,8 @@
 namespace cd {
 namespace {
 
-	// How fast contacts may close, relative to the fastest closing without impulses: in tolerances, and at most.
+	// How fast contacts may close, relative to the fastest closing without impulses, or where loaded contacts close rather than part, to the
+	// closing of the boundaries: in tolerances, and at most.
 	constexpr double mostTolerances = 10, mostClosing = 0.1;
 	constexpr double refinement = 0.1; // factor on the tolerance where they close faster
 	constexpr double finest = 1e-15; // smallest tolerance; below is the round-off of a sum
@@ -19,21 +20,27 @@ namespace {
 	// Products with J that a search for velocities may take. One costs about four sweeps.
 	int productsAfter(int sweeps) { return 200 + sweeps / 10; }
 
-	bool staysOpen(const DelassusSystem&, const std::vector<double>&, double) { return false; }
+	// A matrix does not tell boundaries from bodies.
+	double closingOfBoundaries(const DelassusSystem&, const std::vector<double>&) { return std::numeric_limits<double>::infinity(); }
 	Resolution resolution(const DelassusSystem& s, const std::vector<double>&) { return resolution(s); }
 	Feasibility feasibility(const DelassusSystem& s, const std::vector<double>&, double least, int products)
 	{
 		return feasibility(s, least, products);
 	}
 
-	void clearImpulses(ContactSystem& s)
+	std::size_t contactsIn(const ContactSystem<Plane>& s) { return s.contacts.size(); }
+	std::size_t contactsIn(const DelassusSystem& s) { return s.contacts(); }
+	// Products of a search where the velocities are resolved already: a small part of a step of a large problem.
+	template <class System> int mostProducts(const System& s) { return 20 + 20000 / (1 + static_cast<int>(contactsIn(s))); }
+
+	void clearImpulses(ContactSystem<Plane>& s)
 	{
 		s.contacts.make();
-		for (ContactRow& c : s.contacts)
+		for (ContactRow<Plane>& c : s.contacts)
 			c.pn = c.pt = 0;
 	}
 
-	void makeRows(ContactSystem& s) { s.contacts.make(); }
+	void makeRows(ContactSystem<Plane>& s) { s.contacts.make(); }
 	void makeRows(DelassusSystem&) { }
 
 	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
@@ -76,7 +83,7 @@ namespace {
 
 	// Whether impulses have more than doubled the energy of a scene in which nothing drives bodies. Impulses that balance each other may be so
 	// large that all velocities they cause are within the tolerance. Those of the first guess have been accepted before.
-	bool createEnergy(ContactSystem& s, const Start& start, const SolverReport& report)
+	bool createEnergy(ContactSystem<Plane>& s, const Start& start, const SolverReport& report)
 	{
 		if (report.status != Status::converged || !(energyGain(s, start.freeVelocity()) > 2))
 			return false;
@@ -85,10 +92,10 @@ namespace {
 	}
 
 	// Plain sweeps from zero impulses create none that balance each other.
-	void solveFromNothing(ContactSystem& system, const Start& start, const SolverSettings& settings, SolverReport& report)
+	void solveFromNothing(ContactSystem<Plane>& system, const Start& start, const SolverSettings& settings, SolverReport& report)
 	{
 		clearImpulses(system);
-		report = goOn<ContactSystem>(system, start, settings, report, nsgs);
+		report = goOn<ContactSystem<Plane>>(system, start, settings, report, nsgs);
 		report.plain = true;
 		if (createEnergy(system, start, report)) {
 			report.status = Status::stagnated;
@@ -106,6 +113,7 @@ namespace {
 		bool possible = false; // whether velocities are known at which no contact closes
 		int inVain = 0; // refinements in a row
 		int32_t contact = -1; // at the last look
+		double boundaries = -1; // how fast they close in [m/s], once it is known
 		Resolution before;
 		for (bool first = true;; first = false) {
 			const Resolution now = resolution(system, start.freeVelocity());
@@ -114,22 +122,29 @@ namespace {
 				report.contact = now.contact;
 				return;
 			}
-			const double least = std::min(mostTolerances * asked, mostClosing) * now.free;
 			const bool solved = report.error <= asked;
 			// Whether errors within the tolerance, or round-off, may be as large as the velocities that the impulses must stop.
 			const bool large = now.growth * std::max(settings.tolerance, 1 / mostGrowth) > 1 && exceedsGuess(system, start);
+			const double closing = std::min(mostTolerances * asked, mostClosing), least = closing * now.free;
 			const bool bounded = first && solved && refinement * refinement * now.miss <= least;
-			bool accepted
-			    = !large && (now.miss <= least || report.error <= finest || (bounded && staysOpen(system, start.freeVelocity(), least)));
-			if (!accepted && !possible) {
-				const Feasibility found = feasibility(system, start.freeVelocity(), least, productsAfter(report.iterations));
+			bool accepted = now.miss <= least || report.error <= finest;
+			if (boundaries < 0 && (bounded || accepted) && (now.yields || !accepted))
+				boundaries = closingOfBoundaries(system, start.freeVelocity());
+			accepted = !large && (accepted || (bounded && boundaries <= least));
+			// Bodies that fall or fly must not hide that boundaries slowly close in on others.
+			const bool hidden = accepted && now.yields && boundaries > 0;
+			if ((!accepted || hidden) && !possible) {
+				const double slowest = hidden ? closing * std::min(boundaries, now.free) : least;
+				const int search = productsAfter(report.iterations),
+					  products = hidden ? std::min(search, mostProducts(system)) : search;
+				const Feasibility found = feasibility(system, start.freeVelocity(), slowest, products);
 				if (found.contact >= 0) {
 					report.status = Status::no_solution;
 					report.contact = found.contact;
 					return;
 				}
 				possible = found.possible;
-				accepted = !large && bounded && possible && !now.yields && refinement * now.miss <= least;
+				accepted = hidden || (!large && bounded && possible && !now.yields && refinement * now.miss <= least);
 			}
 			if (accepted) {
 				report.contact = contact;
@@ -167,7 +182,7 @@ namespace {
 		if (!start.solvable) {
 			makeRows(system);
 			resolve<System>(system, start, part, report, method);
-		} else if constexpr (std::is_same_v<System, ContactSystem>)
+		} else if constexpr (std::is_same_v<System, ContactSystem<Plane>>)
 			if (createEnergy(system, start, report))
 				solveFromNothing(system, start, part, report);
 		return report;
@@ -175,14 +190,14 @@ namespace {
 
 	struct Entry {
 		const char* name = nullptr;
-		Solver solver = nullptr;
+		Solver<Plane> solver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
 	};
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem, nsgs>, solved<DelassusSystem, nsgs> },
-		{ "accelerated", solved<ContactSystem, accelerated>, solved<DelassusSystem, accelerated> },
-		{ "newton", solved<ContactSystem, newton>, solved<DelassusSystem, newton> },
-		{ "auto", solved<ContactSystem, automatic>, solved<DelassusSystem, automatic> },
+		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<DelassusSystem, nsgs> },
+		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated> },
+		{ "newton", solved<ContactSystem<Plane>, newton>, solved<DelassusSystem, newton> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic> },
 	};
 
 	const Entry& find(const std::string& method)
@@ -194,7 +209,7 @@ namespace {
 
 } // namespace
 
-Solver findSolver(const std::string& method) { return find(method).solver; }
+Solver<Plane> findSolver(const std::string& method) { return find(method).solver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
 
 std::vector<std::string> solverNames()

@@ -77,7 +77,7 @@ struct SolverReport {
 };
 
 // Improves the impulses in `system.contacts` and leaves the velocities of these impulses in `system.bodies`.
-using Solver = SolverReport (*)(ContactSystem&, const SolverSettings&);
+template <class Space> using Solver = SolverReport (*)(ContactSystem<Space>&, const SolverSettings&);
 // The same method for a problem given by its matrix; improves the impulses in `system.p`.
 using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
 
@@ -86,17 +86,17 @@ std::string solvedBy(const std::string& method, const SolverReport&);
 
 // Null if there is no such method. What they return as converged resolves the velocities, too (resolution.hpp): if the error alone is within the
 // tolerance, they go on to smaller ones. Under fixedIterations nothing of this is done.
-Solver findSolver(const std::string& method);
+Solver<Plane> findSolver(const std::string& method);
 DelassusSolver findDelassusSolver(const std::string& method);
 std::vector<std::string> solverNames();
 
-SolverReport nsgs(ContactSystem&, const SolverSettings&);
+template <class Space> SolverReport nsgs(ContactSystem<Space>&, const SolverSettings&);
 SolverReport nsgs(DelassusSystem&, const SolverSettings&);
-SolverReport accelerated(ContactSystem&, const SolverSettings&);
+template <class Space> SolverReport accelerated(ContactSystem<Space>&, const SolverSettings&);
 SolverReport accelerated(DelassusSystem&, const SolverSettings&);
-SolverReport newton(ContactSystem&, const SolverSettings&);
+SolverReport newton(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport newton(DelassusSystem&, const SolverSettings&);
-SolverReport automatic(ContactSystem&, const SolverSettings&);
+SolverReport automatic(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport automatic(DelassusSystem&, const SolverSettings&);
 
 } // namespace cd

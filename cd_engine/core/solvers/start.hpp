@@ -17,7 +17,7 @@ namespace cd {
 
 class Start {
     public:
-	Start(ContactSystem& s, Threads* t)
+	Start(ContactSystem<Plane>& s, Threads* t)
 	    : threads(t)
 	    , kept(s.memory)
 	{
@@ -37,7 +37,7 @@ class Start {
 		forRanges(threads, impulses.size() / 2, [&](std::size_t from, std::size_t to) { // postponed contacts push nothing
 			bool pushed = false;
 			for (std::size_t i = from; i < to; i++) {
-				const ContactRow& c = s.contacts[i];
+				const ContactRow<Plane>& c = s.contacts[i];
 				impulses[2 * i] = c.pn;
 				impulses[2 * i + 1] = c.pt;
 				pushed = pushed || !(c.bias >= 0);
@@ -55,7 +55,7 @@ class Start {
 	}
 
 	// Restores the free velocities. A method leaves the velocities of its impulses, but the next one needs the free ones.
-	void free(ContactSystem& s) const
+	void free(ContactSystem<Plane>& s) const
 	{
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++)
@@ -64,7 +64,7 @@ class Start {
 	}
 	void free(DelassusSystem&) const { } // it has no velocities
 
-	void guess(ContactSystem& s) const
+	void guess(ContactSystem<Plane>& s) const
 	{
 		if (s.contacts.postponed())
 			return s.contacts.forgetSolution();
@@ -79,7 +79,7 @@ class Start {
 	const std::vector<double>& freeVelocity() const { return velocities; } // three a body; none for a matrix
 
 	// Of the guess: sqrt(sum W_nn |p|^2).
-	double weight(const ContactSystem& s) const
+	double weight(const ContactSystem<Plane>& s) const
 	{
 		const auto add = [&](std::size_t from, std::size_t to) {
 			double square = 0;
@@ -105,12 +105,12 @@ class Start {
 	{
 		if (!source)
 			return { impulses[2 * i], impulses[2 * i + 1] };
-		const ContactRow row = source->row(static_cast<int32_t>(i));
+		const ContactRow<Plane> row = source->row(static_cast<int32_t>(i));
 		return { row.pn, row.pt };
 	}
 
 	Threads* const threads;
-	const RowSource* source = nullptr; // of the guess, while the rows were not made
+	const RowSource<Plane>* source = nullptr; // of the guess, while the rows were not made
 	struct State {
 		std::vector<double> velocities, impulses; // three a body, none for a matrix; two a contact
 	};

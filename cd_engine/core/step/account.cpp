@@ -22,7 +22,7 @@ namespace {
 	};
 
 	// Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
-	void release(const Pair& pair, Carried& was, Sleepers& sleepers)
+	void release(const Pair& pair, Carried& was, Sleepers<Plane>& sleepers)
 	{
 		if (!was.any())
 			return;
@@ -43,16 +43,16 @@ namespace {
 	}
 
 	// What the kernel finds for contacts of disks, for any contact.
-	void effectOf(const ContactRow& c, const std::vector<Mean>& means, double pn, double pt, PairEffects& e, std::size_t lane)
+	void effectOf(const ContactRow<Plane>& c, const std::vector<Mean>& means, const Components<double>& p, PairEffects& e, std::size_t lane)
 	{
 		// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
-		const Components<double> u = relativeVelocity<false>(c, motionOf(means[c.a].v), motionOf(means[c.b].v));
+		const Components<double> u = relativeVelocity<false>(c, motionOf<Plane>(means[c.a].v), motionOf<Plane>(means[c.b].v));
 		e.nx[lane] = c.nx;
 		e.ny[lane] = c.ny;
-		e.work[lane] = pn * u.n + pt * u.t;
+		e.work[lane] = dot(p, u);
 	}
 
-	void add(Account::Impulse& to, const Account::Impulse& of)
+	void add(Account<Plane>::Impulse& to, const Account<Plane>::Impulse& of)
 	{
 		for (int k = 0; k < 3; k++)
 			to[k] += of[k];
@@ -67,19 +67,19 @@ namespace {
 		// A disk takes the impulse on its rim, so only the tangential part turns it. The arm of a boundary starts at its centre.
 		const double arm = b.radius - 0.5 * overlap;
 		const double turn = isBoundary(a) ? (b.x - arm * n.x - a.x) * y - (b.y - arm * n.y - a.y) * x : (a.radius - 0.5 * overlap) * pt;
-		give(pair.a, Account::Impulse { -x, -y, -turn });
-		give(pair.b, Account::Impulse { x, y, -arm * pt });
+		give(pair.a, Account<Plane>::Impulse { -x, -y, -turn });
+		give(pair.b, Account<Plane>::Impulse { x, y, -arm * pt });
 	}
 
 } // namespace
 
-void Account::begin()
+void Account<Plane>::begin()
 {
 	if (!std::exchange(known, true))
 		sums.clear();
 }
 
-void Account::clear(const Sleepers& sleepers)
+void Account<Plane>::clear(const Sleepers<Plane>& sleepers)
 {
 	if (sleepers.none())
 		return sums.clear();
@@ -88,14 +88,14 @@ void Account::clear(const Sleepers& sleepers)
 			sums[i] = { 0, 0, 0 };
 }
 
-void Account::book(World& world, const StepView& step, const ContactFinder& finder, const ProblemBuilder& builder, const ContactRows& contacts,
-    Sleepers& sleepers, StepReport& report)
+void Account<Plane>::book(World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder, const ProblemBuilder<Plane>& builder,
+    const ContactRows<Plane>& contacts, Sleepers<Plane>& sleepers, StepReport& report)
 {
 	spared = contacts.postponed();
 	assert(contacts.size() == finder.pairs().size() && (!spared || (sleepers.none() && contacts.solvedBeside())));
 	const std::vector<Mean>& means = step.motion.means();
-	const ContactRow* const rows = spared ? nullptr : contacts.all().data();
-	const double* const solution = contacts.solution();
+	const ContactRow<Plane>* const rows = spared ? nullptr : contacts.all().data();
+	const Components<double>* const solution = contacts.solution();
 	const auto bookRange = [&](std::size_t from, std::size_t to) {
 		// Copies, because to the compiler a store to what a pair carries might change what is captured.
 		const double dt = step.dt(), rate = 1 / dt;
@@ -107,16 +107,14 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 		const auto later = [pairOf, last = contacts.size() - 1](std::size_t i) { return pairOf[std::min(i, last)]; };
 		for (; from < to; from += batch) {
 			const std::size_t count = std::min(batch, to - from);
-			double impulses[2 * batch]; // two a contact
-			for (std::size_t k = 0; rows && k < count; k++) {
-				impulses[2 * k] = rows[from + k].pn;
-				impulses[2 * k + 1] = rows[from + k].pt;
-			}
-			const double* const p = rows ? impulses : solution + 2 * from;
+			Components<double> impulses[batch];
+			for (std::size_t k = 0; rows && k < count; k++)
+				impulses[k] = impulseOf(rows[from + k]);
+			const Components<double>* const p = rows ? impulses : solution + from;
 			PairLanes lanes[groupsInBatch];
 			PairEffects effects[groupsInBatch];
 			const std::size_t groups = load<false>(step, count, lanes, [&](std::size_t k) { return pairOf[from + k]; });
-			groupKernel().effects(step.motion.places().data(), means.data(), p, count, lanes, effects, groups);
+			groupKernel<Plane>().effects(step.motion.places().data(), means.data(), p, count, lanes, effects, groups);
 			for (std::size_t k = 0; k < count; k++) {
 				const std::size_t i = from + k, l = k % PairLanes::lanes;
 				__builtin_prefetch(&carried[later(i + carriedAhead)], 1);
@@ -124,13 +122,13 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 				const Pair& pair = pairs[pairOf[i]];
 				Carried& was = carried[pairOf[i]];
 				PairEffects& e = effects[k / PairLanes::lanes];
-				const double pn = p[2 * k], pt = p[2 * k + 1];
+				const double pn = p[k].n, pt = p[k].t;
 				if (pn <= 0) {
 					release(pair, was, sleepers);
 					continue;
 				}
 				if (builder.isSpecial(i))
-					effectOf(rows ? rows[i] : builder.specialRow(i), means, pn, pt, e, l);
+					effectOf(rows ? rows[i] : builder.specialRow(i), means, p[k], e, l);
 				const double nx = e.nx[l], ny = e.ny[l];
 				if (!keeps(nx, ny, pn, pt, was, dt)) {
 					const double fn = pn * rate, ft = pt * rate;
@@ -170,13 +168,13 @@ void Account::book(World& world, const StepView& step, const ContactFinder& find
 }
 
 // Sums the impulses, and adds what sleeping islands contribute: those that this step has examined and the others.
-void Account::bookSleeping(
-    const World& world, const StepView& step, const ContactFinder& finder, const ContactRows& contacts, Sleepers& sleepers, StepReport& report)
+void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder,
+    const ContactRows<Plane>& contacts, Sleepers<Plane>& sleepers, StepReport& report)
 {
 	sums.resize(world.bodies.size());
 	sleepers.powerless.clear();
 	for (std::size_t i = 0; i < contacts.size(); i++) {
-		const ContactRow& c = contacts[i];
+		const ContactRow<Plane>& c = contacts[i];
 		const int32_t pair = finder.pairs()[i];
 		SleepingIsland* const asleep = sleepers.islandAt(c.a, c.b);
 		if (asleep && !(c.wnn > 0)) {
@@ -207,22 +205,22 @@ void Account::bookSleeping(
 		report.slidingContacts += island.sliding;
 		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
 	}
-	for (const BoundaryImpulse& of : sleepers.boundaryImpulses())
+	for (const auto& of : sleepers.boundaryImpulses())
 		add(sums[of.body], of.impulse);
 }
 
-const std::vector<Account::Impulse>& Account::impulses(
-    const World& world, const ContactFinder& finder, const BodyMotion& motion, const ContactRows& contacts)
+const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(
+    const World& world, const ContactFinder<Plane>& finder, const BodyMotion<Plane>& motion, const ContactRows<Plane>& contacts)
 {
 	sums.resize(world.bodies.size());
 	if (std::exchange(known, true))
 		return sums;
 	std::fill(sums.begin(), sums.end(), Impulse {});
-	const ContactRow* const rows = spared ? nullptr : contacts.all().data();
-	const double* const solution = contacts.solution();
+	const ContactRow<Plane>* const rows = spared ? nullptr : contacts.all().data();
+	const Components<double>* const solution = contacts.solution();
 	// In the order of the contacts, which decides the last digits.
 	for (std::size_t i = 0; i < finder.pairs().size(); i++) {
-		const double pn = rows ? rows[i].pn : solution[2 * i], pt = rows ? rows[i].pt : solution[2 * i + 1];
+		const auto [pn, pt] = rows ? impulseOf(rows[i]) : solution[i];
 		const int32_t pair = finder.pairs()[i];
 		const Carried& carried = world.carried[pair]; // it has the normal of the step
 		if (pn > 0)

@@ -11,23 +11,23 @@ namespace {
 	using namespace contact_limits;
 
 	// The velocity of disk b against the point of a that it touches, along the normal [m/s].
-	double approach(const StepView& step, const Pair& pair, const Touch& touch, const double* a, const double* b)
+	double approach(const StepView<Plane>& step, const Pair& pair, const Touch& touch, const double* a, const double* b)
 	{
 		const Place& from = step.place(pair.a);
 		return touch.nx * (b[0] - a[0] + a[2] * (touch.cy - from.y)) + touch.ny * (b[1] - a[1] - a[2] * (touch.cx - from.x));
 	}
 
 	// The velocity change along a face that a unit impulse on disk b across it causes [1/kg]; 0: the disk cannot move so.
-	double mobility(const BodyVelocity& b, const Foot& face)
+	double mobility(const BodyVelocity<Plane>& b, const Foot& face)
 	{
 		const double along = b.w[0] * face.nx * face.nx + b.w[1] * face.ny * face.ny;
-		return ContactRow::held(along, b.w[0] + b.w[1]) ? 0 : along;
+		return ContactRow<Plane>::held(along, b.w[0] + b.w[1]) ? 0 : along;
 	}
 
 	// Whether the centre of disk b has entered boundary a in the first half of the step, and through which face. Two earlier positions must give
 	// the same face: at the end of the last step contact was not required, and half a step before it the disk may not have been, if its velocity
 	// is new. A disk that cannot move along the normal goes on as prescribed.
-	bool isThrough(const StepView& step, const Pair& pair, const Touch& touch, Foot& face)
+	bool isThrough(const StepView<Plane>& step, const Pair& pair, const Touch& touch, Foot& face)
 	{
 		const Place &a = step.place(pair.a), &b = step.place(pair.b);
 		if (b.radius - touch.overlap > 0.5 * step.motion.ways(pair))
@@ -43,7 +43,7 @@ namespace {
 
 	// Moves such disks back to the face, in the direction in which an impulse would push them. Repeats this as long as a disk enters another
 	// boundary. The number of rounds is bounded, because two faces that pass each other would send a disk to and fro for ever.
-	void stopAtFaces(const StepView& step, BodyMotion& motion)
+	void stopAtFaces(const StepView<Plane>& step, BodyMotion<Plane>& motion)
 	{
 		std::size_t before;
 		do {
@@ -53,14 +53,14 @@ namespace {
 				Foot face;
 				if (!isBoundary(step.place(pair.a)) || !isThrough(step, pair, step.locate(pair), face))
 					continue;
-				const BodyVelocity& b = step.bodies[pair.b];
+				const BodyVelocity<Plane>& b = step.bodies[pair.b];
 				const double back = (step.place(pair.b).radius - face.distance) / mobility(b, face);
 				motion.shift(pair.b, back * b.w[0] * face.nx, back * b.w[1] * face.ny);
 			}
 		} while (motion.shifted() > before && before <= step.world.bodies.size());
 	}
 
-	bool mayClose(const StepView& step, const Pair& pair, double gap)
+	bool mayClose(const StepView<Plane>& step, const Pair& pair, double gap)
 	{
 		const double radius = step.smallerRadius(pair), beyond = gap - nearby * radius;
 		if (beyond > mostWays * step.motion.ways(pair))
@@ -73,7 +73,7 @@ namespace {
 	}
 
 	// Whether a pair is closed, or would be closed within the step by its velocities before the step or by its free velocities.
-	bool closes(const StepView& step, const Pair& pair, double gap)
+	bool closes(const StepView<Plane>& step, const Pair& pair, double gap)
 	{
 		if (gap <= 0)
 			return true;
@@ -87,7 +87,8 @@ namespace {
 } // namespace
 
 // Decides whether a pair is a contact, where the kernel cannot. Finds the overlap and the gap if `a` is a boundary.
-ContactFinder::Examined ContactFinder::examine(const StepView& step, const Pair& pair, double beyond, double overlap, double gap) const
+ContactFinder<Plane>::Examined ContactFinder<Plane>::examine(
+    const StepView<Plane>& step, const Pair& pair, double beyond, double overlap, double gap) const
 {
 	Examined found { overlap, gap, false, false };
 	if (isBoundary(step.place(pair.a))) {
@@ -106,7 +107,7 @@ ContactFinder::Examined ContactFinder::examine(const StepView& step, const Pair&
 }
 
 // Finds the overlaps of pairs and which of them are contacts. Lists these from `from` on.
-ContactFinder::Found ContactFinder::searchRange(const StepView& step, std::size_t from, std::size_t to)
+ContactFinder<Plane>::Found ContactFinder<Plane>::searchRange(const StepView<Plane>& step, std::size_t from, std::size_t to)
 {
 	constexpr int lanes = PairLanes::lanes;
 	const World& world = step.world;
@@ -122,7 +123,7 @@ ContactFinder::Found ContactFinder::searchRange(const StepView& step, std::size_
 		const std::size_t count = std::min(batch, to - from);
 		PairLanes pairs[groupsInBatch];
 		const std::size_t groups = load<false>(step, count, pairs, [&](std::size_t k) { return which[k]; });
-		groupKernel().overlaps(step.motion.places().data(), pairs, groups, nearby);
+		groupKernel<Plane>().overlaps(step.motion.places().data(), pairs, groups, nearby);
 		for (std::size_t k = 0; k < count; k++) {
 			const PairLanes& p = pairs[k / lanes];
 			const std::size_t lane = k % lanes;
@@ -166,7 +167,7 @@ ContactFinder::Found ContactFinder::searchRange(const StepView& step, std::size_
 }
 
 // The same for all pairs.
-ContactFinder::Found ContactFinder::search(const StepView& step)
+ContactFinder<Plane>::Found ContactFinder<Plane>::search(const StepView<Plane>& step)
 {
 	const World& world = step.world;
 	overlaps.resize(world.pairs.size());
@@ -185,8 +186,9 @@ ContactFinder::Found ContactFinder::search(const StepView& step)
 	return all;
 }
 
-bool ContactFinder::find(World& world, const StepView& step, BodyMotion& motion, const BodyMotion::Start& start)
+bool ContactFinder<Plane>::find(World& world, const StepView<Plane>& step, BodyMotion<Plane>& motion, const BodyMotion<Plane>::Start& start)
 {
+	assert(world.firstContact.empty()); // so contacts have the numbers of their pairs
 	assert(&step.world == &world && &step.motion == &motion && world.carried.size() == world.pairs.size());
 	// Whether the flags tell which pairs were contacts in the last step.
 	bool known = start.sameMasses && world.listing != 0 && world.listing == listing && !added && contact.size() == world.pairs.size()
@@ -216,7 +218,7 @@ bool ContactFinder::find(World& world, const StepView& step, BodyMotion& motion,
 }
 
 // Whether the bodies of a pair are fast enough, after the solution, to close its gap within the step, and no face is before it.
-bool ContactFinder::fastEnough(const StepView& step, std::size_t index) const
+bool ContactFinder<Plane>::fastEnough(const StepView<Plane>& step, std::size_t index) const
 {
 	const Pair& pair = step.world.pairs[index];
 	const std::vector<Mean>& means = step.motion.means();
@@ -228,7 +230,7 @@ bool ContactFinder::fastEnough(const StepView& step, std::size_t index) const
 }
 
 // Whether the solution lets a pair that was left out cross its gap within the step.
-bool ContactFinder::crosses(const StepView& step, std::size_t index) const
+bool ContactFinder<Plane>::crosses(const StepView<Plane>& step, std::size_t index) const
 {
 	const Pair& pair = step.world.pairs[index];
 	if (!fastEnough(step, index))
@@ -238,7 +240,7 @@ bool ContactFinder::crosses(const StepView& step, std::size_t index) const
 	return way + step.turning(pair, touch, way, va[2]) + step.dt() * approach(step, pair, touch, va, vb) < 0;
 }
 
-bool ContactFinder::addClosing(const StepView& step)
+bool ContactFinder<Plane>::addClosing(const StepView<Plane>& step)
 {
 	const std::vector<int32_t>& awake = step.world.awake;
 	const auto violated = [&](std::size_t k) { return !contact[awake[k]] && crosses(step, awake[k]); };
@@ -254,7 +256,7 @@ bool ContactFinder::addClosing(const StepView& step)
 	return true;
 }
 
-void ContactFinder::locateAll(const World& world, const std::vector<Place>& places)
+void ContactFinder<Plane>::locateAll(const World& world, const std::vector<Place>& places)
 {
 	overlaps.clear();
 	for (const Pair& pair : world.pairs)

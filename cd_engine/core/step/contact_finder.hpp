@@ -11,16 +11,24 @@
 
 namespace cd {
 
-class ContactFinder {
+template <class Space> class ContactFinder;
+
+template <> class ContactFinder<Plane> {
     public:
 	// Finds the contacts. Stops disks whose centre has come through a face. Where the surfaces of a pair are apart, its reference overlap ends.
 	// Returns whether the contacts are those of the last step.
-	bool find(World&, const StepView&, BodyMotion&, const BodyMotion::Start&);
+	bool find(World&, const StepView<Plane>&, BodyMotion<Plane>&, const BodyMotion<Plane>::Start&);
 	// If the solution lets a pair that was left out cross its gap, adds it and all others whose gap the bodies are fast enough to close, since an
 	// impact may spread from body to body. Returns whether there were such pairs.
-	bool addClosing(const StepView&);
+	bool addClosing(const StepView<Plane>&);
 	// Finds the overlaps at these places, up to round-off those of an earlier step.
 	void locateAll(const World&, const std::vector<Place>&);
+	// Where the contact of a pair that carries a force touched at these places, at which it was located last.
+	Touch touchOf(const World& world, std::size_t pair, const std::vector<Place>& places) const
+	{
+		const Carried& carried = world.carried[pair];
+		return touchAt(carried.nx, carried.ny, -overlaps[pair], places[world.pairs[pair].b]);
+	}
 	void forgetSeparated() { apart.clear(); }
 
 	const std::vector<int32_t>& pairs() const { return pairOf; } // the pair of each contact
@@ -47,11 +55,11 @@ class ContactFinder {
 		bool contact, through;
 	};
 
-	Found searchRange(const StepView&, std::size_t from, std::size_t to);
-	Found search(const StepView&);
-	Examined examine(const StepView&, const Pair&, double beyond, double overlap, double gap) const;
-	bool fastEnough(const StepView&, std::size_t pair) const;
-	bool crosses(const StepView&, std::size_t pair) const;
+	Found searchRange(const StepView<Plane>&, std::size_t from, std::size_t to);
+	Found search(const StepView<Plane>&);
+	Examined examine(const StepView<Plane>&, const Pair&, double beyond, double overlap, double gap) const;
+	bool fastEnough(const StepView<Plane>&, std::size_t pair) const;
+	bool crosses(const StepView<Plane>&, std::size_t pair) const;
 
 	std::vector<int32_t> pairOf;
 	std::vector<char> contact; // of each pair; 1: it is one

@@ -9,7 +9,7 @@
 namespace cd {
 namespace {
 
-	inline void setFree(const Body& b, double dt, BodyVelocity& s)
+	inline void setFree(const Body& b, double dt, BodyVelocity<Plane>& s)
 	{
 		for (int k = 0; k < 3; k++) {
 			s.w[k] = b.inverseMass[k];
@@ -30,7 +30,7 @@ double smallestRadius(const World& world)
 	return smallest;
 }
 
-BodyMotion::Start BodyMotion::begin(const World& world, double dt, ContactSystem& system, Threads& threads)
+BodyMotion<Plane>::Start BodyMotion<Plane>::begin(const World& world, double dt, ContactSystem<Plane>& system, Threads& threads)
 {
 	assert(dt > 0 && world.shapes.size() == world.bodies.size());
 	const std::size_t count = world.bodies.size();
@@ -59,7 +59,7 @@ BodyMotion::Start BodyMotion::begin(const World& world, double dt, ContactSystem
 	});
 }
 
-void BodyMotion::resetFree(const World& world, double dt, ContactSystem& system, Threads& threads)
+void BodyMotion<Plane>::resetFree(const World& world, double dt, ContactSystem<Plane>& system, Threads& threads)
 {
 	forRanges(&threads, world.bodies.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t i = from; i < to; i++)
@@ -67,12 +67,12 @@ void BodyMotion::resetFree(const World& world, double dt, ContactSystem& system,
 	});
 }
 
-inline double BodyMotion::reach(const World& world, std::size_t i, double dt) const
+inline double BodyMotion<Plane>::reach(const World& world, std::size_t i, double dt) const
 {
 	return contact_limits::quick * dt * (meanOf[i].speed + 0.5 * outlineSpeed(world.bodies[i].v, world.bodies[i], world.shapes[i]));
 }
 
-std::vector<double> BodyMotion::reaches(const World& world, double dt) const
+std::vector<double> BodyMotion<Plane>::reaches(const World& world, double dt) const
 {
 	std::vector<double> all(meanOf.size());
 	for (std::size_t i = 0; i < all.size(); i++)
@@ -80,7 +80,7 @@ std::vector<double> BodyMotion::reaches(const World& world, double dt) const
 	return all;
 }
 
-bool BodyMotion::average(const World& world, double dt, const std::vector<BodyVelocity>& bodies, bool solved, Threads& threads)
+bool BodyMotion<Plane>::average(const World& world, double dt, const std::vector<BodyVelocity<Plane>>& bodies, bool solved, Threads& threads)
 {
 	assert(bodies.size() == world.bodies.size() && way.size() == bodies.size());
 	meanOf.resize(bodies.size());
@@ -111,14 +111,14 @@ bool BodyMotion::average(const World& world, double dt, const std::vector<BodyVe
 	return all.outran;
 }
 
-void BodyMotion::shift(int32_t disk, double x, double y)
+void BodyMotion<Plane>::shift(int32_t disk, double x, double y)
 {
 	shifts.push_back({ disk, x, y });
 	placeOf[disk].x += x;
 	placeOf[disk].y += y;
 }
 
-bool BodyMotion::finish(World& world, double h, const std::vector<BodyVelocity>& bodies, Threads& threads) const
+bool BodyMotion<Plane>::finish(World& world, double h, const std::vector<BodyVelocity<Plane>>& bodies, Threads& threads) const
 {
 	const auto move = [&](std::size_t from, std::size_t to) {
 		bool moves = false;
@@ -141,7 +141,7 @@ bool BodyMotion::finish(World& world, double h, const std::vector<BodyVelocity>&
 	return moves;
 }
 
-void BodyMotion::placeBack(const World& world, double dt)
+void BodyMotion<Plane>::placeBack(const World& world, double dt)
 {
 	placeOf.clear();
 	for (const Body& b : world.bodies)

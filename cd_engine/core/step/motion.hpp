@@ -10,7 +10,9 @@ namespace cd {
 // The smallest radius of the disks [m]; infinite if there is no disk.
 double smallestRadius(const World&);
 
-class BodyMotion {
+template <class Space> class BodyMotion;
+
+template <> class BodyMotion<Plane> {
     public:
 	struct Start {
 		bool turns = false; // a boundary turns
@@ -19,14 +21,14 @@ class BodyMotion {
 	};
 	// Sets the free velocities of the system's bodies, which the external forces alone would leave, and finds their places at the
 	// mid-configuration and their ways.
-	Start begin(const World&, double dt, ContactSystem&, Threads&);
+	Start begin(const World&, double dt, ContactSystem<Plane>&, Threads&);
 	// Sets the free velocities again, after a solution has replaced them.
-	static void resetFree(const World&, double dt, ContactSystem&, Threads&);
+	static void resetFree(const World&, double dt, ContactSystem<Plane>&, Threads&);
 
 	// Finds the means of the velocities before the step and those that a solution has left. Those of an unsolved step may have any size: their
 	// speeds are limited to four times the longest way plus two smallest radii, a step. Returns whether a body has become so fast that it may
 	// reach, within the step, another body that is not listed with it.
-	bool average(const World&, double dt, const std::vector<BodyVelocity>&, bool solved, Threads&);
+	bool average(const World&, double dt, const std::vector<BodyVelocity<Plane>>&, bool solved, Threads&);
 	// How far from its place before the step pairs of each body must be listed, so that it reaches no other within the step [m].
 	std::vector<double> reaches(const World&, double dt) const;
 
@@ -35,7 +37,7 @@ class BodyMotion {
 	std::size_t shifted() const { return shifts.size(); }
 
 	// Moves the bodies to the end of the step. Returns whether any body moves.
-	bool finish(World&, double dt, const std::vector<BodyVelocity>&, Threads&) const;
+	bool finish(World&, double dt, const std::vector<BodyVelocity<Plane>>&, Threads&) const;
 	// Finds the places of the last step of dt anew, from the bodies after it.
 	void placeBack(const World&, double dt);
 

@@ -12,12 +12,12 @@ constexpr std::size_t batch = 64, groupsInBatch = batch / PairLanes::lanes;
 // Copies the pairs which(0) .. which(count - 1) into the lanes. Repeats the last one in lanes that are left. rows: also what rows need;
 // inverseRadius: and what groups need.
 template <bool rows, class Which>
-inline std::size_t load(const StepView& step, std::size_t count, PairLanes* lanes, const Which& which, const double* inverseRadius = nullptr)
+inline std::size_t load(const StepView<Plane>& step, std::size_t count, PairLanes* lanes, const Which& which, const double* inverseRadius = nullptr)
 {
 	const std::size_t groups = (count + PairLanes::lanes - 1) / PairLanes::lanes;
 	const Pair* const pairs = step.world.pairs.data();
 	const Place* const places = step.motion.places().data();
-	const BodyVelocity* const bodies = step.bodies.data();
+	const BodyVelocity<Plane>* const bodies = step.bodies.data();
 	for (std::size_t g = 0; g < groups; g++) {
 		PairLanes& p = lanes[g];
 		for (std::size_t lane = 0; lane < PairLanes::lanes; lane++) {

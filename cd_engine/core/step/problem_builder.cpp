@@ -12,7 +12,7 @@ namespace {
 	// and back must not be cut, or it would be written anew step by step.
 	constexpr double onCone = 1 + 1e-9;
 
-	RowSettings rowSettings(const StepSettings& s)
+	RowSettings rowSettings(const StepSettings<Plane>& s)
 	{
 		return { s.dt, s.gapCorrection, s.allowedOverlap, -std::max(pushedOut, s.allowedOverlap), onCone };
 	}
@@ -21,7 +21,7 @@ namespace {
 
 // The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the
 // tolerance becomes the step's solution.
-std::array<double, 2> ProblemBuilder::guess(const StepView& step, std::size_t pair) const
+std::array<double, 2> ProblemBuilder<Plane>::guess(const StepView<Plane>& step, std::size_t pair) const
 {
 	if (!step.settings.warmStart)
 		return { 0, 0 };
@@ -30,7 +30,8 @@ std::array<double, 2> ProblemBuilder::guess(const StepView& step, std::size_t pa
 }
 
 // The row of any pair. turned: the change of its gap by the rotation of its boundary.
-ContactRow ProblemBuilder::makeRow(const StepView& step, const ContactFinder& finder, std::size_t index, double& turned) const
+ContactRow<Plane> ProblemBuilder<Plane>::makeRow(
+    const StepView<Plane>& step, const ContactFinder<Plane>& finder, std::size_t index, double& turned) const
 {
 	const Pair& pair = step.world.pairs[index];
 	const Touch touch = step.locate(pair);
@@ -44,7 +45,7 @@ ContactRow ProblemBuilder::makeRow(const StepView& step, const ContactFinder& fi
 	// Arms of disks: from the centre along the normal.
 	const double armA = place.radius - 0.5 * touch.overlap, armB = step.place(pair.b).radius - 0.5 * touch.overlap;
 	const auto [pn, pt] = guess(step, index);
-	ContactRow c { pair.a, pair.b, touch.nx, touch.ny, 0, armA, 0, -armB, bias, pair.mu, 0, 0, 0, pn, pt };
+	ContactRow<Plane> c { pair.a, pair.b, touch.nx, touch.ny, 0, armA, 0, -armB, bias, pair.mu, 0, 0, 0, pn, pt };
 	if (isBoundary(place)) {
 		const double ax = touch.cx - place.x, ay = touch.cy - place.y;
 		c.an = ax * touch.ny - ay * touch.nx;
@@ -56,31 +57,33 @@ ContactRow ProblemBuilder::makeRow(const StepView& step, const ContactFinder& fi
 	return c;
 }
 
-void ProblemBuilder::demandRebound(const StepView& step, const ContactFinder& finder, std::size_t contact, ContactRow& c, double turned)
+void ProblemBuilder<Plane>::demandRebound(
+    const StepView<Plane>& step, const ContactFinder<Plane>& finder, std::size_t contact, ContactRow<Plane>& c, double turned)
 {
 	const Body &a = step.world.bodies[c.a], &b = step.world.bodies[c.b];
 	const double gap = finder.gap(step.world, finder.pairs()[contact]);
-	const double un = relativeVelocity<false>(c, motionOf(a.v), motionOf(b.v)).n;
+	const double un = relativeVelocity<false>(c, motionOf<Plane>(a.v), motionOf<Plane>(b.v)).n;
 	const double e = step.world.restitutions.empty() ? step.settings.restitution : step.world.restitutions[finder.pairs()[contact]];
 	const bool hit = e > 0 && un < 0 && gap + turned + step.dt() * un <= 0, parts = e > 0 && gap <= 0 && un > 0;
 	const double rebound = hit || parts ? e * un : std::numeric_limits<double>::quiet_NaN();
 	rebounds.set(contact, c.bias, rebound);
 	if (hit || parts)
-		c.bias = Rebounds::bias(c.bias, rebound);
+		c.bias = Rebounds<Plane>::bias(c.bias, rebound);
 }
 
 // Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.
-void ProblemBuilder::fillRows(const StepView& step, const ContactFinder& finder, ContactRow* rows, std::size_t from, std::size_t to)
+void ProblemBuilder<Plane>::fillRows(
+    const StepView<Plane>& step, const ContactFinder<Plane>& finder, ContactRow<Plane>* rows, std::size_t from, std::size_t to)
 {
 	const std::vector<int32_t>& pairOf = finder.pairs();
 	for (; from < to; from += batch) {
 		const std::size_t count = std::min(batch, to - from);
 		PairLanes pairs[groupsInBatch];
 		load<true>(step, count, pairs, [&](std::size_t k) { return pairOf[from + k]; });
-		groupKernel().assemble(step.motion.places().data(), step.bodies.data(), step.world.carried.data(), pairs, rows + from, count,
+		groupKernel<Plane>().assemble(step.motion.places().data(), step.bodies.data(), step.world.carried.data(), pairs, rows + from, count,
 		    rowSettings(step.settings));
 		for (std::size_t i = from; i < from + count; i++) {
-			ContactRow& c = rows[i];
+			ContactRow<Plane>& c = rows[i];
 			double turned = 0;
 			specialOf[i] = c.wnn > 0 ? -1 : 0;
 			if (isSpecial(i))
@@ -93,12 +96,13 @@ void ProblemBuilder::fillRows(const StepView& step, const ContactFinder& finder,
 	}
 }
 
-void ProblemBuilder::fillAll(ContactRow* rows, std::size_t count)
+void ProblemBuilder<Plane>::fillAll(ContactRow<Plane>* rows, std::size_t count)
 {
 	forRanges(&step->threads, count, [&](std::size_t from, std::size_t to) { fillRows(*step, *finder, rows, from, to); });
 }
 
-void ProblemBuilder::build(const StepView& now, const ContactFinder& found, ContactSystem& system, bool same, bool postpones)
+void ProblemBuilder<Plane>::build(
+    const StepView<Plane>& now, const ContactFinder<Plane>& found, ContactSystem<Plane>& system, bool same, bool postpones)
 {
 	assert(system.bodies.size() == now.world.bodies.size() && now.world.carried.size() == now.world.pairs.size());
 	const std::size_t count = found.pairs().size();
@@ -115,7 +119,7 @@ void ProblemBuilder::build(const StepView& now, const ContactFinder& found, Cont
 	numbered = false;
 }
 
-void ProblemBuilder::append(const StepView& now, const ContactFinder& found, ContactSystem& system)
+void ProblemBuilder<Plane>::append(const StepView<Plane>& now, const ContactFinder<Plane>& found, ContactSystem<Plane>& system)
 {
 	assert(now.settings.restitution == 0);
 	system.contacts.make();
@@ -126,15 +130,14 @@ void ProblemBuilder::append(const StepView& now, const ContactFinder& found, Con
 	fillRows(now, found, system.contacts.all().data(), before, count);
 	numbered = false;
 	for (std::size_t i = before; i < count; i++) {
-		ContactRow& c = system.contacts[i];
-		double un, ut;
-		relativeVelocity(c, system.bodies[c.a], system.bodies[c.b], un, ut);
+		ContactRow<Plane>& c = system.contacts[i];
+		const double un = relativeVelocity(c, system.bodies[c.a], system.bodies[c.b]).n;
 		c.pn = c.wnn > 0 ? std::max(0., -(un + c.bias) / c.wnn) : 0;
 		c.pt = 0;
 	}
 }
 
-void ProblemBuilder::guessAgain(const StepView& now, const ContactFinder& found, ContactSystem& system, bool warm) const
+void ProblemBuilder<Plane>::guessAgain(const StepView<Plane>& now, const ContactFinder<Plane>& found, ContactSystem<Plane>& system, bool warm) const
 {
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		const auto [pn, pt] = warm && i < found.foundFirst() ? guess(now, found.pairs()[i]) : std::array<double, 2> { 0, 0 };
@@ -143,7 +146,7 @@ void ProblemBuilder::guessAgain(const StepView& now, const ContactFinder& found,
 	}
 }
 
-bool ProblemBuilder::lowerRebounds(const StepView& now, ContactSystem& system, const SolverReport& report, bool last)
+bool ProblemBuilder<Plane>::lowerRebounds(const StepView<Plane>& now, ContactSystem<Plane>& system, const SolverReport& report, bool last)
 {
 	if (!rebounds.any())
 		return false;
@@ -157,7 +160,7 @@ bool ProblemBuilder::lowerRebounds(const StepView& now, ContactSystem& system, c
 
 // The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether none of them has a negative bias and all
 // can be solved, as is so of all others.
-bool ProblemBuilder::makeSpecials()
+bool ProblemBuilder<Plane>::makeSpecials()
 {
 	if (!numbered) {
 		specials.clear();
@@ -191,7 +194,7 @@ bool ProblemBuilder::makeSpecials()
 	return true;
 }
 
-void ProblemBuilder::makeRows(std::vector<ContactRow>& all)
+void ProblemBuilder<Plane>::makeRows(std::vector<ContactRow<Plane>>& all)
 {
 	fillAll(all.data(), all.size());
 	for (std::size_t k = 0; k < specials.size(); k++) {
@@ -200,7 +203,7 @@ void ProblemBuilder::makeRows(std::vector<ContactRow>& all)
 	}
 }
 
-ContactRow ProblemBuilder::row(int32_t contact) const
+ContactRow<Plane> ProblemBuilder<Plane>::row(int32_t contact) const
 {
 	if (isSpecial(contact))
 		return specialRows[specialOf[contact]];
@@ -208,7 +211,7 @@ ContactRow ProblemBuilder::row(int32_t contact) const
 	return makeRow(*step, *finder, finder->pairs()[contact], turned);
 }
 
-void ProblemBuilder::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group* groups, uint8_t* left) const
+void ProblemBuilder<Plane>::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group<Plane>* groups, uint8_t* left) const
 {
 	const World& world = step->world;
 	PairLanes pairs[groupsInBatch];
@@ -223,7 +226,7 @@ void ProblemBuilder::fill(const int32_t* contacts, std::size_t count, const doub
 			}
 		load<true>(*step, here * PairLanes::lanes, pairs, which, inverseRadius);
 		for (std::size_t k = 0; k < here; k++) {
-			unsigned unknown = groupKernel().assembleGroup(
+			unsigned unknown = groupKernel<Plane>().assembleGroup(
 			    step->motion.places().data(), step->bodies.data(), world.carried.data(), pairs[k], groups[from + k], settings);
 			for (std::size_t lane = 0; lane < PairLanes::lanes; lane++)
 				unknown |= static_cast<unsigned>(contacts[k * PairLanes::lanes + lane] < 0) << lane;

@@ -15,24 +15,24 @@ namespace {
 
 } // namespace
 
-bool Rebounds::any() const
+template <class Space> bool Rebounds<Space>::any() const
 {
 	return std::any_of(
 	    demands.begin(), demands.end(), [](const Demand& d) { return !std::isnan(d.rebound) && bias(d.plain, d.rebound) != bias(d.plain, 0); });
 }
 
-void Rebounds::findIslands(const ContactSystem& system)
+template <class Space> void Rebounds<Space>::findIslands(const ContactSystem& system)
 {
 	partition.update(system);
 	balances.resize(system.bodies.size());
 }
 
 // Reduces the rebounds of the islands that have lost a share of theirs. Returns whether this changes any bias.
-bool Rebounds::reduce(ContactSystem& system)
+template <class Space> bool Rebounds<Space>::reduce(ContactSystem& system)
 {
 	bool changed = false;
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		ContactRow& c = system.contacts[i];
+		ContactRow<Space>& c = system.contacts[i];
 		const Balance& balance = balanceOf(i);
 		if (balance.lowered == 0 || std::isnan(demands[i].rebound))
 			continue;
@@ -43,7 +43,7 @@ bool Rebounds::reduce(ContactSystem& system)
 	return changed;
 }
 
-bool Rebounds::giveUp(ContactSystem& system, int32_t row)
+template <class Space> bool Rebounds<Space>::giveUp(ContactSystem& system, int32_t row)
 {
 	findIslands(system);
 	for (std::size_t i = 0; i < system.contacts.size(); i++)
@@ -52,7 +52,8 @@ bool Rebounds::giveUp(ContactSystem& system, int32_t row)
 	return reduce(system);
 }
 
-bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, double dt, double tolerance, bool atOnce)
+template <class Space>
+bool Rebounds<Space>::lower(ContactSystem& system, const std::vector<BodyOf<Space>>& before, double dt, double tolerance, bool atOnce)
 {
 	assert(before.size() == system.bodies.size() && dt > 0 && tolerance >= 0);
 	constexpr int all = static_cast<int>(std::size(shares));
@@ -60,9 +61,9 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, dou
 	for (Balance& balance : balances)
 		balance.sinceBefore = balance.sinceFree = balance.scale = balance.energy = 0;
 	for (std::size_t i = 0; i < system.bodies.size(); i++) {
-		const BodyVelocity& body = system.bodies[i];
+		const BodyVelocity<Space>& body = system.bodies[i];
 		Balance& balance = balances[partition.name[i]];
-		for (int k = 0; k < 3; k++) {
+		for (int k = 0; k < Space::freedoms; k++) {
 			const double free = before[i].v[k] + dt * before[i].inverseMass[k] * before[i].force[k], change = body.v[k] - free;
 			if (!(body.w[k] > 0) || change == 0)
 				continue;
@@ -74,19 +75,18 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, dou
 	}
 	// Subtracts the work of boundaries that move.
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
-		const ContactRow& c = system.contacts[i];
+		const ContactRow<Space>& c = system.contacts[i];
 		if (!(c.pn > 0))
 			continue;
-		BodyVelocity a = system.bodies[c.a], b = system.bodies[c.b];
-		for (BodyVelocity* body : { &a, &b })
-			for (int k = 0; k < 3; k++)
+		BodyVelocity<Space> a = system.bodies[c.a], b = system.bodies[c.b];
+		for (BodyVelocity<Space>* body : { &a, &b })
+			for (int k = 0; k < Space::freedoms; k++)
 				if (body->w[k] > 0)
 					body->v[k] = 0;
-		double un, ut;
-		relativeVelocity(c, a, b, un, ut);
+		const double work = dot(impulseOf(c), relativeVelocity(c, a, b));
 		Balance& balance = balanceOf(i);
-		balance.sinceBefore += c.pn * un + c.pt * ut;
-		balance.sinceFree += c.pn * un + c.pt * ut;
+		balance.sinceBefore += work;
+		balance.sinceFree += work;
 	}
 	bool any = false;
 	remains = false;
@@ -100,5 +100,7 @@ bool Rebounds::lower(ContactSystem& system, const std::vector<Body>& before, dou
 	}
 	return any && reduce(system);
 }
+
+template class Rebounds<Plane>;
 
 } // namespace cd

@@ -21,7 +21,9 @@
 
 namespace cd {
 
-class Rebounds {
+template <class Space> class Rebounds {
+	using ContactSystem = cd::ContactSystem<Space>;
+
     public:
 	// Energy that a step may add at a loose tolerance, as a share of the sum of m |dv|^2, with dv the velocity change by the impulses. A step
 	// that is solved again is solved at least to this tolerance.
@@ -45,7 +47,7 @@ class Rebounds {
 	// changed a bias. To be called again after the next solution. `before`: the bodies before the step of dt. Islands are lowered only if the
 	// energy grows both over the whole step and over the impulses alone. If only one of the two grows, the work of the forces in the step causes
 	// it, not the rebounds. atOnce: give up all rebounds of such an island.
-	bool lower(ContactSystem&, const std::vector<Body>& before, double dt, double tolerance, bool atOnce);
+	bool lower(ContactSystem&, const std::vector<BodyOf<Space>>& before, double dt, double tolerance, bool atOnce);
 
 	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.
 	bool energyRemains() const { return remains; }

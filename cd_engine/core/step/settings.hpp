@@ -9,7 +9,7 @@
 
 namespace cd {
 
-struct StepSettings {
+template <class Space> struct StepSettings {
 	double dt = 0; // [s]
 	double restitution = 0; // Newton's e, normal direction
 	double gapCorrection = 0; // share of an overlap, beyond the reference and the allowed one, that the step pushes out
@@ -18,7 +18,7 @@ struct StepSettings {
 	bool warmStart = true; // the first guess are the forces that contacts have carried; else nothing
 	long iteration = 0; // number of the step, recorded where a contact becomes loaded
 	bool reduce = true; // solve islands of contacts separately (island_solver.hpp)
-	Solver solve = nullptr;
+	Solver<Space> solve = nullptr;
 	SolverSettings solver;
 	// Tolerance of rest, if it is smaller than that of the step. The same in all steps, so that it does not matter in which of them an island is
 	// examined.

@@ -9,11 +9,13 @@
 
 namespace cd {
 
-struct StepView {
+template <class Space> struct StepView;
+
+template <> struct StepView<Plane> {
 	const World& world; // as before the step
-	const StepSettings& settings;
-	const std::vector<BodyVelocity>& bodies; // with their free velocities, then with those of the solution
-	const BodyMotion& motion;
+	const StepSettings<Plane>& settings;
+	const std::vector<BodyVelocity<Plane>>& bodies; // with their free velocities, then with those of the solution
+	const BodyMotion<Plane>& motion;
 	Threads& threads;
 
 	const Place& place(int32_t body) const { return motion.places()[body]; }

@@ -5,7 +5,7 @@
 
 namespace cd {
 
-void TimeStep::prepare(World& world, const StepView& step)
+template <class Space> void TimeStep<Space>::prepare(World& world, const StepView& step)
 {
 	assert(std::all_of(world.pairs.begin(), world.pairs.end(), [&](const Pair& p) {
 		const auto count = static_cast<int32_t>(world.bodies.size());
@@ -14,17 +14,17 @@ void TimeStep::prepare(World& world, const StepView& step)
 	}));
 	assert(world.awake.size() <= world.pairs.size() && (world.awake.empty() || world.awake.back() < static_cast<int32_t>(world.pairs.size())));
 	const StepSettings& s = step.settings;
-	world.carried.resize(world.pairs.size());
+	world.carried.resize(world.contacts());
 	system.memory = &memory;
 	account.begin();
-	const BodyMotion::Start start = motion.begin(world, s.dt, system, threads);
+	const auto start = motion.begin(world, s.dt, system, threads);
 	const bool same = finder.find(world, step, motion, start);
 	// Rows that push need a proof that there is a solution (feasibility.hpp), which reads all of them.
 	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0;
 	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none());
 }
 
-const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settings)
+template <class Space> auto TimeStep<Space>::assemble(World& world, const StepSettings& settings) -> const ContactSystem&
 {
 	prepare(world, { world, settings, system.bodies, motion, threads });
 	system.contacts.make();
@@ -32,7 +32,7 @@ const ContactSystem& TimeStep::assemble(World& world, const StepSettings& settin
 }
 
 // Solves the contacts. Returns the status of the solution with the tolerance of the goal; the report has the one that counts.
-Status TimeStep::solve(const StepView& step, const Stillness& stillness, Goal& goal, StepReport& report)
+template <class Space> Status TimeStep<Space>::solve(const StepView& step, const Stillness& stillness, Goal& goal, StepReport& report)
 {
 	const auto start = std::chrono::steady_clock::now();
 	const SolverSettings& wanted = step.settings.solver;
@@ -60,7 +60,7 @@ Status TimeStep::solve(const StepView& step, const Stillness& stillness, Goal& g
 }
 
 // Returns false if the step would touch a sleeping island. That island has then been woken, and the step must be made anew.
-bool TimeStep::attempt(World& world, const StepView& step, StepReport& report)
+template <class Space> bool TimeStep<Space>::attempt(World& world, const StepView& step, StepReport& report)
 {
 	const SolverSettings& wanted = step.settings.solver;
 	const bool rebounds = step.settings.restitution > 0, fixed = wanted.fixedIterations > 0;
@@ -97,7 +97,7 @@ bool TimeStep::attempt(World& world, const StepView& step, StepReport& report)
 		if (spent)
 			goal.most += 1 + wanted.maxIterations / 10;
 		if (rebounds)
-			goal.tolerance = std::min(goal.tolerance, Rebounds::mostGain);
+			goal.tolerance = std::min(goal.tolerance, Rebounds<Space>::mostGain);
 		else {
 			builder.append(step, finder, system);
 			if (sleepers.wake(system.contacts, world))
@@ -107,17 +107,17 @@ bool TimeStep::attempt(World& world, const StepView& step, StepReport& report)
 		}
 		if (rebounds || fixed) // impulses with rebounds may be so large that any error is small beside them
 			builder.guessAgain(step, finder, system, !rebounds || report.solver.contact < 0);
-		BodyMotion::resetFree(world, step.dt(), system, threads);
+		BodyMotion<Space>::resetFree(world, step.dt(), system, threads);
 	}
 }
 
-StepReport TimeStep::operator()(World& world, const StepSettings& settings)
+template <class Space> StepReport TimeStep<Space>::operator()(World& world, const StepSettings& settings)
 {
 	assert(settings.solve && settings.dt > 0 && settings.restitution >= 0 && settings.restitution <= 1 && settings.gapCorrection >= 0);
 	StepReport report;
 	threads.use(settings.threads);
 	finder.forgetSeparated();
-	rest.begin(world.bodies, settings.dt);
+	rest.begin(world, settings.dt);
 	const StepView step { world, settings, system.bodies, motion, threads };
 	while (!attempt(world, step, report)) { }
 	if (report.solver.status != Status::diverged && report.outran.empty()) { // else nothing is changed
@@ -139,16 +139,12 @@ StepReport TimeStep::operator()(World& world, const StepSettings& settings)
 	return report;
 }
 
-void TimeStep::locateBack(const World& world, double dt)
+template <class Space> void TimeStep<Space>::locateBack(const World& world, double dt)
 {
 	motion.placeBack(world, dt);
 	finder.locateAll(world, motion.places());
 }
 
-Touch TimeStep::touchOf(const World& world, std::size_t pair) const
-{
-	const Carried& carried = world.carried[pair];
-	return touchAt(carried.nx, carried.ny, -finder.overlap(pair), motion.places()[world.pairs[pair].b]);
-}
+template class TimeStep<Plane>;
 
 } // namespace cd

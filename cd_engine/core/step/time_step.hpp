@@ -5,7 +5,15 @@
 
 namespace cd {
 
-class TimeStep {
+template <class Space> class TimeStep {
+	using Account = cd::Account<Space>;
+	using ContactSystem = cd::ContactSystem<Space>;
+	using Sleepers = cd::Sleepers<Space>;
+	using Stillness = cd::Stillness<Space>;
+	using StepSettings = cd::StepSettings<Space>;
+	using StepView = cd::StepView<Space>;
+	using World = WorldOf<Space>;
+
     public:
 	// Moves the bodies by dt: q_m = q + h/2 v;  M (v' - v) = h F + H(q_m) p;  q' = q_m + h/2 v'  (theta = 1/2; Jean 1999, section 4). Only the
 	// pairs in world.awake may touch.
@@ -33,13 +41,16 @@ class TimeStep {
 	// Finds the places and overlaps of the last step of dt anew, up to round-off, if a later step was given up and has left its own.
 	void locateBack(const World&, double dt);
 	// Where a pair that carries a force touched when a step last located it.
-	Touch touchOf(const World&, std::size_t pair) const;
+	auto touchOf(const World& world, std::size_t pair) const { return finder.touchOf(world, pair, motion.places()); }
 	double gapOf(const World& world, std::size_t pair) const { return finder.gap(world, pair); } // [m]
 	// The pairs whose reference overlap ended in the last step.
 	const std::vector<int32_t>& overlapsForgotten() const { return finder.separated(); }
 	// The impulses of all contacts on the bodies in the last step, those of sleeping islands included: [N s], [N s], [N m s]. They are summed
 	// when somebody asks, so before the next step begins. world: as that step has left it.
-	const std::vector<Account::Impulse>& impulsesOn(const World& world) { return account.impulses(world, finder, motion, system.contacts); }
+	const std::vector<typename Account::Impulse>& impulsesOn(const World& world)
+	{
+		return account.impulses(world, finder, motion, system.contacts);
+	}
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
 	bool sparedRows() const { return account.sparedRows(); }
 
@@ -64,10 +75,10 @@ class TimeStep {
 
 	Workspace memory; // of the solvers
 	ContactSystem system; // the motion sets its bodies, the builder its contacts, and the solver solves it
-	BodyMotion motion;
-	ContactFinder finder;
-	ProblemBuilder builder;
-	IslandSolver solveIslands;
+	BodyMotion<Space> motion;
+	ContactFinder<Space> finder;
+	ProblemBuilder<Space> builder;
+	IslandSolver<Space> solveIslands;
 	Account account;
 };
 

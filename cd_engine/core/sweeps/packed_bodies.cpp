@@ -1,12 +1,11 @@
 #include "sweeps/packed_bodies.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace cd {
 
-PackedBodies::Found PackedBodies::classify(const std::vector<BodyVelocity>& bodies, Threads* threads)
+template <class Space> auto PackedBodies<Space>::classify(const std::vector<BodyVelocity>& bodies, Threads* threads) -> Found
 {
 	const bool known = kinds.size() == bodies.size();
 	kinds.resize(bodies.size());
@@ -14,17 +13,15 @@ PackedBodies::Found PackedBodies::classify(const std::vector<BodyVelocity>& bodi
 	const auto classify = [&](std::size_t from, std::size_t to) {
 		Found found { known, known, false };
 		for (std::size_t i = from; i < to; i++) {
-			const Motion<double> w = motionOf(bodies[i].w);
 			found.twisted = found.twisted || bodies[i].twisted > 0;
 			Kind& kind = kinds[i];
-			if (known && w.x == kind.w.x && w.y == kind.w.y && w.spin == kind.w.spin)
+			if (known && std::equal(kind.w, kind.w + Space::freedoms, bodies[i].w))
 				continue;
 			found.sameMasses = false;
-			const bool turns = w.x > 0 && w.spin > 0, uniform = w.x == w.y && (w.x > 0 || w.spin == 0);
-			const double k = turns ? std::sqrt(w.x / w.spin) : 1;
-			found.sameKinds = found.sameKinds && uniform == kind.uniform && turns == kind.turns;
-			kind = { w, k, uniform, turns };
-			inverseRadii[i] = 1 / k;
+			const Kind before = kind;
+			kind = packedKind(bodies[i]);
+			found.sameKinds = found.sameKinds && kind.uniform == before.uniform && kind.turns == before.turns;
+			inverseRadii[i] = 1 / kind.radius;
 		}
 		return found;
 	};
@@ -34,7 +31,7 @@ PackedBodies::Found PackedBodies::classify(const std::vector<BodyVelocity>& bodi
 	return reduceRanges<Found>(threads, bodies.size(), classify, both);
 }
 
-void PackedBodies::number(const Partition& partition, const Blocks& blocks, std::vector<Ends>& ofContacts)
+template <class Space> void PackedBodies<Space>::number(const Partition& partition, const Blocks& blocks, std::vector<Ends>& ofContacts)
 {
 	place.assign(kinds.size(), -1);
 	metIn.assign(kinds.size(), -1);
@@ -63,7 +60,7 @@ void PackedBodies::number(const Partition& partition, const Blocks& blocks, std:
 	masses.resize(at.size());
 }
 
-void PackedBodies::pack(int32_t block, const std::vector<BodyVelocity>& bodies)
+template <class Space> void PackedBodies<Space>::pack(int32_t block, const std::vector<BodyVelocity>& bodies)
 {
 	for (const std::size_t i : ofBlock[block]) {
 		if (i + fetchedAhead < ofBlock[block].to) {
@@ -72,14 +69,14 @@ void PackedBodies::pack(int32_t block, const std::vector<BodyVelocity>& bodies)
 		}
 		const BodyVelocity& b = bodies[at[i]];
 		now[i].w = b.w[0];
-		free[i] = { b.v[0], b.v[1], b.v[2] * kinds[at[i]].radius, b.pushed };
-		const double inverse = std::max(b.w[0], b.w[1]);
+		free[i] = PackedBody::of(b, kinds[at[i]].radius, b.pushed);
+		const double inverse = inverseMass(b);
 		masses[i] = inverse > 0 ? 1 / inverse : 0;
 	}
 	now[nobody(block)] = {};
 }
 
-void PackedBodies::store(int32_t block, std::vector<BodyVelocity>& bodies) const
+template <class Space> void PackedBodies<Space>::store(int32_t block, std::vector<BodyVelocity>& bodies) const
 {
 	for (const std::size_t i : ofBlock[block]) {
 		if (i + fetchedAhead < ofBlock[block].to) {
@@ -87,13 +84,11 @@ void PackedBodies::store(int32_t block, std::vector<BodyVelocity>& bodies) const
 			__builtin_prefetch(&inverseRadii[at[i + fetchedAhead]]);
 		}
 		BodyVelocity& b = bodies[at[i]];
-		if (!(b.w[0] > 0 || b.w[1] > 0 || b.w[2] > 0))
-			continue; // immobile: keeps its velocity
-		b.v[0] = now[i].vx;
-		b.v[1] = now[i].vy;
-		// Adds only the change, so that a spin that nothing changes stays the same to the last bit.
-		b.v[2] += (now[i].spin - free[i].spin) * inverseRadii[at[i]];
+		if (isMovable(b)) // others keep their velocities
+			now[i].store(b, free[i], inverseRadii[at[i]]);
 	}
 }
+
+template class PackedBodies<Plane>;
 
 } // namespace cd

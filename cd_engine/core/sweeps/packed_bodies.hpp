@@ -15,14 +15,12 @@ struct Ends {
 	int32_t a, b;
 };
 
-class PackedBodies {
+template <class Space> class PackedBodies {
+	using BodyVelocity = cd::BodyVelocity<Space>;
+	using PackedBody = cd::PackedBody<Space>;
+
     public:
-	struct Kind {
-		Motion<double> w; // inverse masses that the members below are made from
-		double radius; // k [m]; 1 where the body does not turn
-		bool uniform; // x, y and spin have one inverse mass: its contacts may be in a group
-		bool turns;
-	};
+	using Kind = PackedKind<Space>;
 	// Whether kinds and masses have stayed the same since the last problem; whether external forces turn any body.
 	struct Found {
 		bool sameKinds, sameMasses, twisted;
@@ -39,7 +37,7 @@ class PackedBodies {
 	void store(int32_t block, std::vector<BodyVelocity>&) const;
 
 	int32_t nobody(int32_t block) const { return static_cast<int32_t>(at.size()) + 4 * block; } // an immobile body for empty lanes
-	bool movable(std::size_t i) const { return kinds[at[i]].w.x > 0 || kinds[at[i]].w.y > 0 || kinds[at[i]].w.spin > 0; }
+	bool movable(std::size_t i) const { return isMovable(kinds[at[i]]); }
 
 	std::vector<Kind> kinds; // of each body of the system,
 	std::vector<double> inverseRadii; // 1/k,

@@ -2,41 +2,26 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstring>
 
 namespace cd {
 namespace {
 
-	bool isGroupable(const ContactRow& c, const PackedBodies& bodies)
+	template <class Space> bool isGroupable(const ContactRow<Space>& c, const PackedBodies<Space>& bodies)
 	{
-		const PackedBodies::Kind &A = bodies.kinds[c.a], &B = bodies.kinds[c.b];
-		return c.wnn > 0 && c.diagonal() && c.wtt > 0 && A.uniform && B.uniform && (A.turns || c.at == 0) && (B.turns || c.bt == 0);
+		const PackedKind<Space>&A = bodies.kinds[c.a], &B = bodies.kinds[c.b];
+		return A.uniform && B.uniform && c.groupable(A.turns, B.turns);
 	}
 
 	// A row of the step; `made`: room for one that is postponed.
-	const ContactRow& rowOf(const ContactRows& rows, int32_t contact, ContactRow& made)
+	template <class Space> const ContactRow<Space>& rowOf(const ContactRows<Space>& rows, int32_t contact, ContactRow<Space>& made)
 	{
-		const RowSource* const step = rows.postponed();
+		const RowSource<Space>* const step = rows.postponed();
 		return step ? made = step->row(contact) : rows[contact];
-	}
-
-	void fillLane(Group& g, int lane, const ContactRow& c, const PackedBodies& bodies)
-	{
-		g.nx[lane] = c.nx;
-		g.ny[lane] = c.ny;
-		g.at[lane] = c.at * bodies.inverseRadii[c.a];
-		g.bt[lane] = c.bt * bodies.inverseRadii[c.b];
-		g.bias[lane] = c.bias;
-		g.mu[lane] = c.mu;
-		g.pn[lane] = c.pn;
-		g.pt[lane] = c.pt;
-		g.inverseWnn[lane] = 1 / c.wnn;
-		g.inverseWtt[lane] = 1 / c.wtt;
 	}
 
 } // namespace
 
-void PackedContacts::group(const ContactRows& rows, const Blocks& blocks, const PackedBodies& bodies)
+template <class Space> void PackedContacts<Space>::group(const ContactRows& rows, const Blocks& blocks, const PackedBodies& bodies)
 {
 	assert(ends.size() == rows.size());
 	marks.assign(bodies.at.size(), 0);
@@ -76,18 +61,18 @@ void PackedContacts::group(const ContactRows& rows, const Blocks& blocks, const 
 	}
 }
 
-bool PackedContacts::fill(int32_t block, const ContactRows& rows, const PackedBodies& bodies)
+template <class Space> bool PackedContacts<Space>::fill(int32_t block, const ContactRows& rows, const PackedBodies& bodies)
 {
 	return fillGroups(ofBlock[block].groups, rows, bodies) && fillLoose(ofBlock[block].loose, rows, bodies);
 }
 
-bool PackedContacts::fillGroups(const Range& which, const ContactRows& rows, const PackedBodies& bodies)
+template <class Space> bool PackedContacts<Space>::fillGroups(const Range& which, const ContactRows& rows, const PackedBodies& bodies)
 {
 	constexpr std::size_t batch = 128; // groups
-	ContactRow made;
+	ContactRow<Space> made;
 	uint8_t left[batch]; // of each group: the lanes that are filled from rows, a bit each
 	std::fill_n(left, batch, 0xff);
-	const auto* const step = dynamic_cast<const GroupSource*>(rows.postponed());
+	const auto* const step = dynamic_cast<const GroupSource<Space>*>(rows.postponed());
 	for (std::size_t from = which.from; from < which.to; from += batch) {
 		const std::size_t count = std::min(batch, which.to - from);
 		const int32_t* const member = &grouping.members[from * Group::lanes];
@@ -99,12 +84,11 @@ bool PackedContacts::fillGroups(const Range& which, const ContactRows& rows, con
 				const int32_t contact = member[k * Group::lanes + lane];
 				Group& g = groups[from + k];
 				if (contact < 0) {
-					for (double* const of : { g.nx, g.ny, g.at, g.bt, g.bias, g.mu, g.pn, g.pt, g.inverseWnn, g.inverseWtt })
-						of[lane] = 0;
+					g.clear(lane);
 					continue;
 				}
-				const ContactRow& c = rowOf(rows, contact, made);
-				fillLane(g, lane, c, bodies);
+				const ContactRow<Space>& c = rowOf(rows, contact, made);
+				g.set(lane, c, bodies.inverseRadii[c.a], bodies.inverseRadii[c.b]);
 				if (!isGroupable(c, bodies))
 					return false;
 			}
@@ -112,47 +96,40 @@ bool PackedContacts::fillGroups(const Range& which, const ContactRows& rows, con
 	return true;
 }
 
-bool PackedContacts::fillLoose(const Range& which, const ContactRows& rows, const PackedBodies& bodies)
+template <class Space> bool PackedContacts<Space>::fillLoose(const Range& which, const ContactRows& rows, const PackedBodies& bodies)
 {
 	for (const std::size_t i : which) {
 		LooseContact& l = loose[i];
 		const Ends packed { l.row.a, l.row.b };
 		l.row = rowOf(rows, grouping.loose[i], l.row);
 		const bool same = l.row.wnn > 0 && isGroupable(l.row, bodies) == l.groupable;
-		const auto fill = [&](int32_t& body, int32_t place, double& n, double& t, Motion<double>& w) {
-			const PackedBodies::Kind& kind = bodies.kinds[body];
-			n *= bodies.inverseRadii[body];
-			t *= bodies.inverseRadii[body];
-			w = { kind.w.x, kind.w.y, kind.w.spin * (kind.radius * kind.radius) };
-			body = place;
-		};
-		fill(l.row.a, packed.a, l.row.an, l.row.at, l.wa);
-		fill(l.row.b, packed.b, l.row.bn, l.row.bt, l.wb);
+		l.wa = packedMasses(bodies.kinds[l.row.a]);
+		l.wb = packedMasses(bodies.kinds[l.row.b]);
+		l.row.scaleArms(bodies.inverseRadii[l.row.a], bodies.inverseRadii[l.row.b]);
+		l.row.a = packed.a;
+		l.row.b = packed.b;
 		if (!same)
 			return false;
 	}
 	return true;
 }
 
-// std::copy_n would be a call.
-void PackedContacts::copyTo(SweptImpulses& p, int32_t block) const
+template <class Space> void PackedContacts<Space>::copyTo(SweptImpulses& p, int32_t block) const
 {
-	for (const std::size_t k : ofBlock[block].groups) {
-		std::memcpy(p.groups[k].pn, groups[k].pn, sizeof groups[k].pn);
-		std::memcpy(p.groups[k].pt, groups[k].pt, sizeof groups[k].pt);
-	}
+	for (const std::size_t k : ofBlock[block].groups)
+		copyImpulses(p.groups[k], groups[k]);
 	for (const std::size_t i : ofBlock[block].loose)
 		p.loose[i] = impulseOf(loose[i].row);
 }
 
-void PackedContacts::copyFrom(const SweptImpulses& p, int32_t block)
+template <class Space> void PackedContacts<Space>::copyFrom(const SweptImpulses& p, int32_t block)
 {
-	for (const std::size_t k : ofBlock[block].groups) {
-		std::memcpy(groups[k].pn, p.groups[k].pn, sizeof groups[k].pn);
-		std::memcpy(groups[k].pt, p.groups[k].pt, sizeof groups[k].pt);
-	}
+	for (const std::size_t k : ofBlock[block].groups)
+		copyImpulses(groups[k], p.groups[k]);
 	for (const std::size_t i : ofBlock[block].loose)
 		setImpulse(loose[i].row, p.loose[i]);
 }
+
+template class PackedContacts<Plane>;
 
 } // namespace cd

@@ -6,19 +6,25 @@
 namespace cd {
 
 // A contact that is solved alone: it couples n and t, one of its bodies has no uniform inverse mass, or no group had room.
-struct LooseContact {
-	ContactRow row; // a, b: packed bodies; arms divided by k
-	Motion<double> wa, wb; // inverse masses of x, y and spin
+template <class Space> struct LooseContact {
+	ContactRow<Space> row; // a, b: packed bodies; arms divided by k
+	MotionOf<Space> wa, wb; // inverse masses of the packed bodies
 	bool groupable; // whether it may be in a group
 };
 
 // The impulses of an iterate.
-struct SweptImpulses {
-	std::vector<GroupBefore> groups;
-	std::vector<Components<double>> loose;
+template <class Space> struct SweptImpulses {
+	std::vector<GroupBefore<Space>> groups;
+	std::vector<ImpulseOf<Space>> loose;
 };
 
-class PackedContacts {
+template <class Space> class PackedContacts {
+	using ContactRows = cd::ContactRows<Space>;
+	using Group = cd::Group<Space>;
+	using LooseContact = cd::LooseContact<Space>;
+	using PackedBodies = cd::PackedBodies<Space>;
+	using SweptImpulses = cd::SweptImpulses<Space>;
+
     public:
 	struct Ranges {
 		Range groups, loose;
@@ -38,13 +44,11 @@ class PackedContacts {
 	{
 		for (const std::size_t k : ofBlock[block].groups) {
 			const Group& g = groups[k];
-			if (k + fetchedAhead < ofBlock[block].groups.to) { // only two of its eleven lines are read
-				__builtin_prefetch(&groups[k + fetchedAhead].pn);
-				__builtin_prefetch(&groups[k + fetchedAhead].pt);
-			}
+			if (k + fetchedAhead < ofBlock[block].groups.to)
+				groups[k + fetchedAhead].prefetchImpulses();
 			for (std::size_t lane = 0; lane < Group::lanes; lane++)
 				if (const int32_t contact = grouping.members[k * Group::lanes + lane]; contact >= 0)
-					store(contact, Components<double> { g.pn[lane], g.pt[lane] });
+					store(contact, g.impulse(lane));
 		}
 		for (const std::size_t i : ofBlock[block].loose)
 			store(grouping.loose[i], impulseOf(loose[i].row));

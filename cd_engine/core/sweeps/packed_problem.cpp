@@ -5,10 +5,10 @@
 
 namespace cd {
 
-PackedProblem::Same PackedProblem::pack(ContactSystem& system, Threads* threads)
+template <class Space> auto PackedProblem<Space>::pack(ContactSystem& system, Threads* threads) -> Same
 {
 	assert(system.contacts.postponed() || system.consistent());
-	const PackedBodies::Found found = bodies.classify(system.bodies, threads);
+	const auto found = bodies.classify(system.bodies, threads);
 	// The contacts come from the step itself where they link the same bodies as those that were grouped.
 	if (!found.sameKinds || !found.sameMasses || !partition.knows(system) || system.contacts.solvedBeside()
 	    || blocks.contacts.size() != system.contacts.size())
@@ -26,7 +26,7 @@ PackedProblem::Same PackedProblem::pack(ContactSystem& system, Threads* threads)
 }
 
 // Returns false if a contact is no longer what it was when groups were made.
-bool PackedProblem::fill(const ContactSystem& system, Threads* threads)
+template <class Space> bool PackedProblem<Space>::fill(const ContactSystem& system, Threads* threads)
 {
 	std::atomic<bool> same { true };
 	blocks.inEvery(threads, [&](int32_t block) {
@@ -38,18 +38,20 @@ bool PackedProblem::fill(const ContactSystem& system, Threads* threads)
 	return same;
 }
 
-void PackedProblem::store(ContactSystem& system, Threads* threads) const
+template <class Space> void PackedProblem<Space>::store(ContactSystem& system, Threads* threads) const
 {
-	double* const beside = system.contacts.postponed() ? system.contacts.storeBeside() : nullptr;
+	ImpulseOf<Space>* const beside = system.contacts.postponed() ? system.contacts.storeBeside() : nullptr;
 	blocks.inEvery(threads, [&](int32_t block) {
-		contacts.forImpulses(block, [&](int32_t contact, const Components<double>& p) {
-			if (!beside)
-				return setImpulse(system.contacts[contact], p);
-			beside[2 * contact] = p.n;
-			beside[2 * contact + 1] = p.t;
+		contacts.forImpulses(block, [&](int32_t contact, const ImpulseOf<Space>& p) {
+			if (beside)
+				beside[contact] = p;
+			else
+				setImpulse(system.contacts[contact], p);
 		});
 		bodies.store(block, system.bodies);
 	});
 }
+
+template struct PackedProblem<Plane>;
 
 } // namespace cd

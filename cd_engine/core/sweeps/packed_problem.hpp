@@ -6,7 +6,9 @@
 
 namespace cd {
 
-struct PackedProblem {
+template <class Space> struct PackedProblem {
+	using ContactSystem = cd::ContactSystem<Space>;
+
 	// What is the same as in the problem before.
 	struct Same {
 		bool groups, masses;
@@ -19,8 +21,8 @@ struct PackedProblem {
 
 	Partition partition; // of the system
 	Blocks blocks;
-	PackedBodies bodies;
-	PackedContacts contacts;
+	PackedBodies<Space> bodies;
+	PackedContacts<Space> contacts;
 	bool twisted = false; // whether external forces turn any body
 
     private:

@@ -5,31 +5,33 @@
 namespace cd {
 namespace {
 
-	void solve(LooseContact& l, PackedBody* bodies)
+	template <class Space> void solve(LooseContact<Space>& l, PackedBody<Space>* bodies)
 	{
-		ContactRow& c = l.row;
-		PackedBody &A = bodies[c.a], &B = bodies[c.b];
-		Components<double> u = relativeVelocity<true, double>(c, { A.vx, A.vy, A.spin }, { B.vx, B.vy, B.spin });
+		ContactRow<Space>& c = l.row;
+		PackedBody<Space>&A = bodies[c.a], &B = bodies[c.b];
+		ImpulseOf<Space> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
 		u.n += c.bias;
-		const Components<double> before = impulseOf(c), p = solveContact(c, u, before);
+		const ImpulseOf<Space> before = impulseOf(c), p = solveContact(c, u, before);
 		push(actionOf(c, p - before), velocityOf(A), l.wa, velocityOf(B), l.wb);
 		setImpulse(c, p);
 	}
 
-	void solveAhead(LooseContact& l, Components<double>& before, PackedBody* bodies, double beta, AheadReport& report)
+	template <class Space>
+	void solveAhead(LooseContact<Space>& l, ImpulseOf<Space>& before, PackedBody<Space>* bodies, double beta, AheadReport& report)
 	{
-		const Components<double> p = impulseOf(l.row), y = extrapolated(p, before, beta);
+		const ImpulseOf<Space> p = impulseOf(l.row), y = extrapolated(p, before, beta);
 		before = p;
 		setImpulse(l.row, y);
 		solve(l, bodies);
-		const Components<double> next = impulseOf(l.row);
+		const ImpulseOf<Space> next = impulseOf(l.row);
 		report.change += dot(y - next, y - next);
 		report.against += dot(y - next, next - p);
 	}
 
 } // namespace
 
-Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
+template <class Space>
+Sweep<Space>::Sweep(ContactSystem& s, unsigned seed, Threads* t)
     : system(s)
     , kept(s.memory)
     , packed(*kept)
@@ -41,25 +43,25 @@ Sweep::Sweep(ContactSystem& s, unsigned seed, Threads* t)
 	restoreVelocities();
 }
 
-void Sweep::restoreVelocities()
+template <class Space> void Sweep<Space>::restoreVelocities()
 {
 	const std::vector<PackedBody>& moved = packed.error.velocities(problem, threads);
 	// + 0 turns -0 into +0. A body at rest must stay at +0 whatever is added to it 0 times, or its lanes would differ in sign.
 	problem.blocks.inEvery(threads, [&](int32_t block) {
 		for (const std::size_t i : problem.bodies.ofBlock[block])
-			problem.bodies.now[i] = { moved[i].vx + 0., moved[i].vy + 0., moved[i].spin + 0., problem.bodies.now[i].w };
+			problem.bodies.now[i] = moved[i].withoutSigns(problem.bodies.now[i].w);
 	});
 	remembered = false; // what is remembered still contains the round-off
 }
 
-void Sweep::copyTo(Iterate& p) const
+template <class Space> void Sweep<Space>::copyTo(Iterate& p) const
 {
 	p.groups.resize(problem.contacts.groups.size());
 	p.loose.resize(problem.contacts.loose.size());
 	problem.blocks.inEvery(threads, [&](int32_t block) { problem.contacts.copyTo(p, block); });
 }
 
-void Sweep::copyFrom(const Iterate& p)
+template <class Space> void Sweep<Space>::copyFrom(const Iterate& p)
 {
 	assert(p.groups.size() == problem.contacts.groups.size() && p.loose.size() == problem.contacts.loose.size());
 	packed.error.impulsesHaveChanged();
@@ -67,10 +69,10 @@ void Sweep::copyFrom(const Iterate& p)
 }
 
 // Calls work(groups, loose contacts, block of their sums) in the order of the sweep.
-template <class Work> void Sweep::inOrder(const Work& work)
+template <class Space> template <class Work> void Sweep<Space>::inOrder(const Work& work)
 {
 	packed.error.impulsesHaveChanged();
-	const PackedContacts& contacts = problem.contacts;
+	const PackedContacts<Space>& contacts = problem.contacts;
 	if (!order)
 		return problem.blocks.byColour(
 		    threads, [&](int32_t block) { work(contacts.ofBlock[block].groups, contacts.ofBlock[block].loose, block); });
@@ -83,18 +85,18 @@ template <class Work> void Sweep::inOrder(const Work& work)
 	});
 }
 
-void Sweep::operator()()
+template <class Space> void Sweep<Space>::operator()()
 {
 	PackedBody* const bodies = problem.bodies.now.data();
 	inOrder([&](const Range& groups, const Range& loose, int32_t) {
-		groupKernel().sweep(problem.contacts.groups.data() + groups.from, groups.size(), bodies);
+		groupKernel<Space>().sweep(problem.contacts.groups.data() + groups.from, groups.size(), bodies);
 		for (const std::size_t i : loose)
 			solve(problem.contacts.loose[i], bodies);
 	});
 }
 
 // Velocities are linear in the impulses, so they are extrapolated in the same way.
-AheadReport Sweep::ahead(double beta)
+template <class Space> AheadReport Sweep<Space>::ahead(double beta)
 {
 	PackedBody* const bodies = problem.bodies.now.data();
 	if (!remembered) {
@@ -105,29 +107,31 @@ AheadReport Sweep::ahead(double beta)
 	packed.sums.assign(problem.blocks.count(), {});
 	problem.blocks.inEvery(threads, [&](int32_t block) {
 		const Range& own = problem.bodies.ofBlock[block];
-		groupKernel().extrapolate(bodies + own.from, &packed.bodiesBefore[own.from], own.size(), beta);
+		groupKernel<Space>().extrapolate(bodies + own.from, &packed.bodiesBefore[own.from], own.size(), beta);
 	});
 	inOrder([&](const Range& groups, const Range& loose, int32_t block) {
-		groupKernel().sweepAhead(problem.contacts.groups.data() + groups.from, packed.before.groups.data() + groups.from, groups.size(),
-		    bodies, beta, packed.sums[block].groups);
+		groupKernel<Space>().sweepAhead(problem.contacts.groups.data() + groups.from, packed.before.groups.data() + groups.from,
+		    groups.size(), bodies, beta, packed.sums[block].groups);
 		for (const std::size_t i : loose)
 			solveAhead(problem.contacts.loose[i], packed.before.loose[i], bodies, beta, packed.sums[block].loose);
 	});
 	LaneSums sums = {};
 	AheadReport report;
 	for (const AheadSums& block : packed.sums) {
-		for (int lane = 0; lane < Group::lanes; lane++) {
+		for (int lane = 0; lane < lanes; lane++) {
 			sums.change[lane] += block.groups.change[lane];
 			sums.against[lane] += block.groups.against[lane];
 		}
 		report.change += block.loose.change;
 		report.against += block.loose.against;
 	}
-	for (int lane = 0; lane < Group::lanes; lane++) {
+	for (int lane = 0; lane < lanes; lane++) {
 		report.change += sums.change[lane];
 		report.against += sums.against[lane];
 	}
 	return report;
 }
+
+template class Sweep<Plane>;
 
 } // namespace cd

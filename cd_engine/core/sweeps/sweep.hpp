@@ -6,10 +6,14 @@
 namespace cd {
 
 // What a method needs, for a problem given by its bodies. DelassusSweep has the same functions for a problem given by its matrix.
-class Sweep {
+template <class Space> class Sweep {
+	using ContactSystem = cd::ContactSystem<Space>;
+	using PackedBody = cd::PackedBody<Space>;
+	using PackedProblem = cd::PackedProblem<Space>;
+
     public:
 	using System = ContactSystem;
-	using Iterate = SweptImpulses; // the impulses of an iterate, saved to restore it later
+	using Iterate = SweptImpulses<Space>; // the impulses of an iterate, saved to restore it later
 
 	// Packs the contacts and applies the impulses of the first guess to the bodies. seed > 0: each sweep visits the groups of contacts in a new
 	// random order. threads: share the work; the bits do not depend on them.
@@ -42,7 +46,7 @@ class Sweep {
 	// The next Sweep with the same memory finds it.
 	struct Packed {
 		PackedProblem problem;
-		SweepError error;
+		SweepError<Space> error;
 		std::vector<PackedBody> bodiesBefore; // one sweep ago,
 		Iterate before; // and the impulses
 		std::vector<AheadSums> sums; // of each block

@@ -11,7 +11,7 @@ namespace {
 	ResidualSum sumOf(const LaneMisses& all, std::size_t contacts)
 	{
 		ResidualSum sum;
-		for (int lane = 0; lane < Group::lanes; lane++) {
+		for (int lane = 0; lane < lanes; lane++) {
 			ResidualSum one;
 			one.difference = all.difference[lane];
 			one.square = all.square[lane];
@@ -28,7 +28,7 @@ namespace {
 
 } // namespace
 
-void SweepError::prepare(const ContactSystem& system, const PackedProblem& problem, PackedProblem::Same same)
+template <class Space> void SweepError<Space>::prepare(const ContactSystem& system, const PackedProblem& problem, typename PackedProblem::Same same)
 {
 	current = false;
 	if (!same.groups)
@@ -37,7 +37,7 @@ void SweepError::prepare(const ContactSystem& system, const PackedProblem& probl
 		findCarried(system, problem);
 }
 
-void SweepError::numberSums(const PackedProblem& problem)
+template <class Space> void SweepError<Space>::numberSums(const PackedProblem& problem)
 {
 	const PackedContacts& contacts = problem.contacts;
 	islandAt.clear();
@@ -71,7 +71,7 @@ void SweepError::numberSums(const PackedProblem& problem)
 }
 
 // Adds the group k of a block to its last run, or begins another one.
-void SweepError::addToRuns(const PackedContacts& contacts, Ranges& block, std::size_t k)
+template <class Space> void SweepError<Space>::addToRuns(const PackedContacts& contacts, Ranges& block, std::size_t k)
 {
 	const int32_t* const member = &contacts.grouping.members[k * Group::lanes];
 	int32_t sum = sumOfContact[member[0]]; // the first lane is never empty
@@ -87,7 +87,7 @@ void SweepError::addToRuns(const PackedContacts& contacts, Ranges& block, std::s
 	runs.back().contacts += count;
 }
 
-void SweepError::findCarried(const ContactSystem& system, const PackedProblem& problem)
+template <class Space> void SweepError<Space>::findCarried(const ContactSystem& system, const PackedProblem& problem)
 {
 	carried.clear();
 	underHeavy.clear();
@@ -108,7 +108,7 @@ void SweepError::findCarried(const ContactSystem& system, const PackedProblem& p
 	}
 }
 
-const std::vector<PackedBody>& SweepError::velocities(const PackedProblem& problem, Threads* threads)
+template <class Space> auto SweepError<Space>::velocities(const PackedProblem& problem, Threads* threads) -> const std::vector<PackedBody>&
 {
 	if (current)
 		return moved;
@@ -120,56 +120,56 @@ const std::vector<PackedBody>& SweepError::velocities(const PackedProblem& probl
 		const Range &own = bodies.ofBlock[block], &groups = contacts.ofBlock[block].groups;
 		std::fill_n(&moved[own.from], own.size(), PackedBody {});
 		moved[bodies.nobody(block)] = {};
-		groupKernel().addImpulses(contacts.groups.data() + groups.from, groups.size(), moved.data());
+		groupKernel<Space>().addImpulses(contacts.groups.data() + groups.from, groups.size(), moved.data());
 	});
 	problem.blocks.inEvery(threads, [&](int32_t block) {
 		for (const std::size_t i : bodies.ofBlock[block]) {
 			const PackedBody& free = bodies.free[i];
 			const double w = bodies.now[i].w; // a body without a uniform inverse mass has no group, so m is 0
 			PackedBody& m = moved[i];
-			m = { free.vx + w * m.vx, free.vy + w * m.vy, free.spin + w * m.spin, free.w + w * m.w };
+			m = free.plus(w, m);
 		}
 	});
 	if (contacts.loose.empty())
 		return moved;
 	problem.blocks.byColour(threads, [&](int32_t block) {
 		for (const std::size_t i : contacts.ofBlock[block].loose) {
-			const LooseContact& l = contacts.loose[i];
-			const Components<double> p = impulseOf(l.row);
+			const LooseContact<Space>& l = contacts.loose[i];
+			const ImpulseOf<Space> p = impulseOf(l.row);
 			PackedBody &A = moved[l.row.a], &B = moved[l.row.b];
 			push(actionOf(l.row, p), velocityOf(A), l.wa, velocityOf(B), l.wb);
-			A.w += actingOn(l.wa, l.row, l.row.an, l.row.at, p);
-			B.w += actingOn(l.wb, l.row, l.row.bn, l.row.bt, p);
+			A.w += actingOnA(l.wa, l.row, p);
+			B.w += actingOnB(l.wb, l.row, p);
 		}
 	});
 	return moved;
 }
 
 // Adds what external torques do at the contacts: the torque's velocity change times the arm of every contact.
-void SweepError::twistBodies(const ContactSystem& system, const PackedProblem& problem, Threads* threads)
+template <class Space> void SweepError<Space>::twistBodies(const ContactSystem& system, const PackedProblem& problem, Threads* threads)
 {
 	current = false; // what the torques do is no part of it
 	const PackedBodies& bodies = problem.bodies;
 	const auto twist = [&](int32_t i, double arm) {
 		if (static_cast<std::size_t>(i) < bodies.at.size())
-			moved[i].w += system.bodies[bodies.at[i]].twisted * bodies.kinds[bodies.at[i]].radius * std::abs(arm);
+			moved[i].w += system.bodies[bodies.at[i]].twisted * bodies.kinds[bodies.at[i]].radius * arm;
 	};
 	problem.blocks.byColour(threads, [&](int32_t block) {
 		const PackedContacts& contacts = problem.contacts;
 		for (const std::size_t k : contacts.ofBlock[block].lanes()) {
 			const Group& g = contacts.groups[k / Group::lanes];
-			twist(g.a[k % Group::lanes], g.at[k % Group::lanes]);
-			twist(g.b[k % Group::lanes], g.bt[k % Group::lanes]);
+			twist(g.a[k % Group::lanes], g.armA(k % Group::lanes));
+			twist(g.b[k % Group::lanes], g.armB(k % Group::lanes));
 		}
 		for (const std::size_t i : contacts.ofBlock[block].loose) {
-			const ContactRow& c = contacts.loose[i].row;
-			twist(c.a, c.at);
-			twist(c.b, c.bt);
+			const ContactRow<Space>& c = contacts.loose[i].row;
+			twist(c.a, c.armA());
+			twist(c.b, c.armB());
 		}
 	});
 }
 
-Residual SweepError::operator()(const ContactSystem& system, const PackedProblem& problem, Threads* threads)
+template <class Space> Residual SweepError<Space>::operator()(const ContactSystem& system, const PackedProblem& problem, Threads* threads)
 {
 	velocities(problem, threads);
 	if (problem.twisted)
@@ -189,7 +189,7 @@ Residual SweepError::operator()(const ContactSystem& system, const PackedProblem
 	return residual(islands.data(), islands.size());
 }
 
-void SweepError::findLeastHeavy()
+template <class Space> void SweepError<Space>::findLeastHeavy()
 {
 	for (const auto& [light, heavy] : carried)
 		leastHeavy[light] = infinite;
@@ -198,7 +198,7 @@ void SweepError::findLeastHeavy()
 			leastHeavy[light] = std::min(leastHeavy[light], moved[heavy].w);
 }
 
-void SweepError::addContacts(const PackedContacts& contacts, int32_t block)
+template <class Space> void SweepError<Space>::addContacts(const PackedContacts& contacts, int32_t block)
 {
 	const Ranges& own = ofBlock[block];
 	std::fill_n(sums.data() + own.sums.from, own.sums.size(), ResidualSum {});
@@ -206,7 +206,7 @@ void SweepError::addContacts(const PackedContacts& contacts, int32_t block)
 		const Run& run = runs[i];
 		LaneMisses all = {};
 		GroupMiss* const each = run.sum < 0 || own.underHeavy.size() > 0 ? misses.data() + run.groups.from : nullptr;
-		groupKernel().miss(contacts.groups.data() + run.groups.from, run.groups.size(), moved.data(), all, each);
+		groupKernel<Space>().miss(contacts.groups.data() + run.groups.from, run.groups.size(), moved.data(), all, each);
 		if (run.sum < 0)
 			addEach(contacts, run.groups);
 		else
@@ -219,9 +219,9 @@ void SweepError::addContacts(const PackedContacts& contacts, int32_t block)
 		    misses[k].velocity[lane], std::min(leastHeavy[g.a[lane]], leastHeavy[g.b[lane]]));
 	}
 	for (const std::size_t i : contacts.ofBlock[block].loose) {
-		const ContactRow& c = contacts.loose[i].row;
+		const ContactRow<Space>& c = contacts.loose[i].row;
 		const PackedBody &A = moved[c.a], &B = moved[c.b];
-		const Miss<double> miss = missOf(c, c.wnn, { A.vx, A.vy, A.spin }, { B.vx, B.vy, B.spin }, A.w + B.w);
+		const Miss<double> miss = missOf(c, c.wnn, motionOf(A), motionOf(B), A.w + B.w);
 		ResidualSum& sum = sums[sumOfContact[contacts.grouping.loose[i]]];
 		sum.addContact(miss, impulseOf(c), c.wnn);
 		if (!carried.empty())
@@ -230,7 +230,7 @@ void SweepError::addContacts(const PackedContacts& contacts, int32_t block)
 }
 
 // Adds what the contacts in some groups miss, contact by contact.
-void SweepError::addEach(const PackedContacts& contacts, const Range& groups)
+template <class Space> void SweepError<Space>::addEach(const PackedContacts& contacts, const Range& groups)
 {
 	for (const std::size_t k : Range { groups.from * Group::lanes, groups.to * Group::lanes })
 		if (const int32_t contact = contacts.grouping.members[k]; contact >= 0) {
@@ -238,12 +238,12 @@ void SweepError::addEach(const PackedContacts& contacts, const Range& groups)
 			const GroupMiss& miss = misses[k / Group::lanes];
 			const std::size_t lane = k % Group::lanes;
 			sums[sumOfContact[contact]].addContact(
-			    { miss.difference[lane], miss.velocity[lane] }, { g.pn[lane], g.pt[lane] }, 1 / g.inverseWnn[lane]);
+			    { miss.difference[lane], miss.velocity[lane] }, g.impulse(lane), 1 / g.inverseWnn[lane]);
 		}
 }
 
 // Adds the bodies of a block. Most bodies add to the same sum as the one before, whose local copy stays in registers.
-void SweepError::addBodies(const PackedBodies& bodies, int32_t block)
+template <class Space> void SweepError<Space>::addBodies(const PackedBodies& bodies, int32_t block)
 {
 	ResidualSum sum;
 	int32_t at = -1; // place of that sum
@@ -259,5 +259,7 @@ void SweepError::addBodies(const PackedBodies& bodies, int32_t block)
 	if (at >= 0)
 		sums[at] = sum;
 }
+
+template class SweepError<Plane>;
 
 } // namespace cd

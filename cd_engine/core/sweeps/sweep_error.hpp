@@ -7,10 +7,17 @@
 
 namespace cd {
 
-class SweepError {
+template <class Space> class SweepError {
+	using ContactSystem = cd::ContactSystem<Space>;
+	using PackedBody = cd::PackedBody<Space>;
+	using PackedBodies = cd::PackedBodies<Space>;
+	using PackedContacts = cd::PackedContacts<Space>;
+	using PackedProblem = cd::PackedProblem<Space>;
+	using Group = cd::Group<Space>;
+
     public:
 	// Prepares the sums for a problem that has just been packed.
-	void prepare(const ContactSystem&, const PackedProblem&, PackedProblem::Same);
+	void prepare(const ContactSystem&, const PackedProblem&, typename PackedProblem::Same);
 	// The velocities of the packed impulses, in the member w with what acts on each body, without external torques [m/s]. Recomputed only if
 	// impulses have changed since, which the caller has to tell.
 	const std::vector<PackedBody>& velocities(const PackedProblem&, Threads*);
