@@ -119,12 +119,12 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size)
     p, found = core.solve(arrays, p, method, float(tolerance), max_iterations, fixed_iterations, seed, bool(trace), threads)
     p = np.frombuffer(p).copy()
-    iterations, factorizations, e, worst, status, contact, solved_by, seconds, looks = found
+    iterations, factorizations, e, worst, status, contact, solved_by, seconds, evaluations = found
     converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
     contact = contact if contact >= 0 and not converged else None
     bodies = tuple(map(int, problem.pairs[contact])) if isinstance(problem, BodyProblem) and contact is not None else None
-    looks = np.array(looks, float).reshape(-1, 2) if trace else None
-    return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds, looks)
+    evaluations = np.array(evaluations, float).reshape(-1, 2) if trace else None
+    return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds, evaluations)
 
 
 def residual(problem, impulses):
