@@ -7,18 +7,20 @@ import pandas
 from analysis import publish, style
 from analysis.style import plt
 from yade_scripts.measuring.benchmark.solutions import PEER, SOLVED
+from yade_scripts.measuring.benchmark.space import PEERS
 from yade_scripts.results import provenance
 
 REFERENCE = "nsgs"
 # Okabe and Ito's palette, with a marker of its own for each method.
-LOOK = {PEER: (style.BLACK, "X"), REFERENCE: (style.VERMILION, "s"), "accelerated": (style.BLUE, "o"), "newton": (style.GREEN, "^"),
+LOOK = {**{name: (style.GREY["77"], marker) for name, marker in zip(PEERS, "v<>P*h")}, PEER: (style.BLACK, "X"), REFERENCE: (style.VERMILION, "s"), "accelerated": (style.BLUE, "o"), "newton": (style.GREEN, "^"),
         "auto": (style.PINK, "D")}
 TARGET_LOOK = {1e-4: (style.BLUE, "o"), 1e-6: (style.GREEN, "s"), 1e-8: (style.VERMILION, "^")}
 PANELS = 6
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
-COLUMNS = {"solutions": dict(texts=("status", "problem", "kind", "start", "method"),
-                             numbers=("disks", "contacts", "mu", "target", "sweeps", "seconds", "residual")),
+OF_SOLUTIONS = dict(texts=("status", "problem", "kind", "start", "method"),
+                    numbers=("disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"))
+COLUMNS = {"solutions": OF_SOLUTIONS, "space": OF_SOLUTIONS,
            "sweeps": dict(numbers=("disks", "contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain",
                                    "bytes_accelerated", "bandwidth_gb_per_s")),
            "step": dict(texts=("order",), numbers=("disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs"))}
@@ -33,6 +35,7 @@ def draw(folder):
     time = "Processor time of one core"
     for figure, name, note in (
             (error_against_time, "solutions", f"{time}; the error is computed anew from the impulses."),
+            (error_in_space, "space", f"{time}; contact problems in space; the error is computed anew from the impulses."),
             (sweep_cost, "sweeps", f"{time}."), (sweeps_against_size, "solutions", "Medians over the seeds; bars: their range."),
             (step_cost, "step", f"{time}.")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
@@ -81,6 +84,11 @@ def error_against_time(rows, origin):
     fig.suptitle(" ")  # keeps room for the legend
     style.legend(fig, entries, loc="upper center", ncol=len(entries))
     return fig
+
+
+def error_in_space(rows, origin):
+    """The same for problems in space, with several of Siconos's solvers."""
+    return error_against_time(rows, origin)
 
 
 def sweep_cost(rows, origin):

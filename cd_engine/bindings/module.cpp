@@ -17,17 +17,19 @@ using namespace cd_engine;
 // packed anew.
 thread_local cd::Workspace memory;
 
-// A problem by its matrix: W as rows of 2 x 2 blocks (start, column, blocks), q and mu.
-cd::DelassusSystem matrixSystem(const py::tuple& arrays, const py::object& impulses)
+template <class T> void read(const py::object& array, std::vector<T>& to) { to = numbers<T>(array); }
+
+// A problem by its matrix: W as rows of 2 x 2 blocks, in space 3 x 3 (start, column, blocks), q and mu.
+template <class System> System matrixSystem(const py::tuple& arrays, const py::object& impulses)
 {
-	cd::DelassusSystem s;
+	System s;
 	s.memory = &memory;
 	s.start = numbers<std::size_t>(arrays[0]);
 	s.column = numbers<int32_t>(arrays[1]);
-	s.blocks = numbers<cd::Block>(arrays[2]);
-	s.q = numbers<double>(arrays[3]);
+	read(arrays[2], s.blocks);
+	read(arrays[3], s.q);
 	s.mu = numbers<double>(arrays[4]);
-	s.p = numbers<double>(impulses);
+	read(impulses, s.p);
 	for (std::size_t i = 0; i < s.mu.size(); i++) {
 		const auto begin = s.column.begin(), end = begin + static_cast<std::ptrdiff_t>(s.start[i + 1]);
 		const auto own = std::lower_bound(begin + static_cast<std::ptrdiff_t>(s.start[i]), end, static_cast<int32_t>(i));
@@ -35,6 +37,9 @@ cd::DelassusSystem matrixSystem(const py::tuple& arrays, const py::object& impul
 	}
 	return s;
 }
+
+// Of a matrix: q has three numbers a contact.
+bool inSpace(const py::tuple& arrays) { return py::len(arrays[3]) == 3 * py::len(arrays[4]) && py::len(arrays[4]) > 0; }
 
 // A problem in the velocities of the bodies: three inverse masses and three free velocities a body; two bodies, a normal, four arms (a_n,
 // a_t, b_n, b_t), a bias and a friction coefficient a contact.
@@ -118,14 +123,17 @@ py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::
     int fixedIterations, unsigned seed, bool traced, int threads)
 {
 	cd::SolverSettings settings { tolerance, maxIterations, fixedIterations, seed };
-	// A guess that tells nothing is not used: it would stay where nothing resists it.
 	if (py::len(arrays) == 5) {
-		cd::DelassusSystem system = matrixSystem(arrays, impulses);
-		if (!(cd::resolution(system).growth <= cd::mostGrowth))
-			std::fill(system.p.begin(), system.p.end(), 0.);
-		const py::tuple report = solved(system, cd::findDelassusSolver(method), method, settings, traced);
-		return py::make_tuple(bytes(system.p), report);
+		const auto solveMatrix = [&](auto system, auto* solver) {
+			if (!(cd::resolution(system).growth <= cd::mostGrowth))
+				std::fill(system.p.begin(), system.p.end(), typename decltype(system.p)::value_type {});
+			const py::tuple report = solved(system, solver, method, settings, traced);
+			return py::make_tuple(bytes(system.p), report);
+		};
+		return inSpace(arrays) ? solveMatrix(matrixSystem<cd::ConeSystem>(arrays, impulses), cd::findConeSolver(method))
+				       : solveMatrix(matrixSystem<cd::DelassusSystem>(arrays, impulses), cd::findDelassusSolver(method));
 	}
+	// A guess that tells nothing is not used: it would stay where nothing resists it.
 	cd::ContactSystem<cd::Plane> system = bodySystem(arrays, impulses);
 	if (!(cd::resolution(system, numbers<double>(arrays[1])).growth <= cd::mostGrowth))
 		for (cd::ContactRow<cd::Plane>& c : system.contacts)
@@ -140,11 +148,62 @@ py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::
 	return py::make_tuple(bytes(p), report);
 }
 
+// Spheres in space: six inverse masses and six free velocities a body; two bodies, a normal, two distances from the centres, a bias and a friction
+// coefficient a contact; of an impulse the normal part, and the three components of what is across.
+cd::ContactSystem<cd::Space3> sphereSystem(const py::tuple& arrays, const std::vector<double>& p)
+{
+	const auto w = numbers<double>(arrays[0]), v = numbers<double>(arrays[1]), normal = numbers<double>(arrays[3]),
+		   arm = numbers<double>(arrays[4]), bias = numbers<double>(arrays[5]), mu = numbers<double>(arrays[6]);
+	const auto pair = numbers<int32_t>(arrays[2]);
+	cd::ContactSystem<cd::Space3> s;
+	s.memory = &memory;
+	s.bodies.resize(w.size() / 6);
+	for (std::size_t i = 0; i < s.bodies.size(); i++) {
+		std::copy_n(&w[6 * i], 6, s.bodies[i].w);
+		std::copy_n(&v[6 * i], 6, s.bodies[i].v);
+	}
+	s.contacts.resize(mu.size());
+	for (std::size_t i = 0; i < mu.size(); i++) {
+		const double *n = &normal[3 * i], *impulse = &p[4 * i];
+		cd::ContactRow<cd::Space3>& c = s.contacts[i];
+		c.a = pair[2 * i];
+		c.b = pair[2 * i + 1];
+		c.nx = n[0];
+		c.ny = n[1];
+		c.nz = n[2];
+		c.at = arm[2 * i];
+		c.bt = arm[2 * i + 1];
+		c.bias = bias[i];
+		c.mu = mu[i];
+		cd::setImpulse(c, { impulse[0], impulse[1], impulse[2], impulse[3] });
+	}
+	s.assembleBlocks();
+	return s;
+}
+
+// As solve().
+py::tuple solveSpheres(const py::tuple& arrays, const py::object& impulses, bool momentum, double tolerance, int maxIterations, int fixedIterations,
+    unsigned seed, bool traced, int threads)
+{
+	cd::SolverSettings settings { tolerance, maxIterations, fixedIterations, seed };
+	cd::ContactSystem<cd::Space3> system = sphereSystem(arrays, numbers<double>(impulses));
+	cd::Threads team;
+	team.use(threads);
+	settings.threads = &team;
+	const py::tuple report
+	    = solved(system, momentum ? cd::accelerated<cd::Space3> : cd::nsgs<cd::Space3>, momentum ? "accelerated" : "nsgs", settings, traced);
+	std::vector<double> p;
+	for (const cd::ContactRow<cd::Space3>& c : system.contacts)
+		p.insert(p.end(), { c.pn, c.px, c.py, c.pz });
+	return py::make_tuple(bytes(p), report);
+}
+
 // Returns (residual, residual_max).
 py::tuple residual(const py::tuple& arrays, const py::object& impulses)
 {
-	const cd::Residual e = py::len(arrays) == 5 ? cd::residual(matrixSystem(arrays, impulses))
-						    : cd::residual(bodySystem(arrays, impulses), numbers<double>(arrays[1]));
+	const cd::Residual e = py::len(arrays) != 5 ? cd::residual(bodySystem(arrays, impulses), numbers<double>(arrays[1]))
+	    : inSpace(arrays)			    ? cd::residual(matrixSystem<cd::ConeSystem>(arrays, impulses))
+						    : cd::residual(matrixSystem<cd::DelassusSystem>(arrays, impulses));
 	return py::make_tuple(e.norm, e.maximum);
 }
 
@@ -160,6 +219,7 @@ py::tuple bytesOfASweep()
 BOOST_PYTHON_MODULE(_core)
 {
 	py::def("solve", solve);
+	py::def("solve_spheres", solveSpheres);
 	py::def("residual", residual);
 	py::def("bytes_of_a_sweep", bytesOfASweep);
 	defineNames();

@@ -8,12 +8,15 @@ import numpy as np
 
 from .files.body_problem import BodyProblem
 from .files.problem import LARGEST, Problem, vector
+from .files.space_bodies import SpaceBodyProblem, tangents
+
+MOST_IN_MATRIX = 5000  # contacts of spheres up to which Newton's method is tried where sweeps fail
 
 
 @dataclass(frozen=True)
 class Report:
     """The result of `solve`."""
-    impulses: np.ndarray      # [N s], 2n, normal then tangential: the best ones found if it did not converge
+    impulses: np.ndarray      # [N s], 2n, in space 3n, normal then tangential: the best ones found if it did not converge
     iterations: int           # sweeps and factorizations
     factorizations: int       # of these iterations; above 0: Newton's method was used
     residual: float           # the error e of `residual`
@@ -21,7 +24,7 @@ class Report:
     converged: bool
     status: str               # converged, fixed_iterations, max_iterations, stagnated, diverged, no_solution, indefinite
     contact: object           # where velocities are not resolved or, with no_solution, contacts must close; diverged: of NaN or infinity; else None
-    bodies: object            # for a BodyProblem, the two bodies of that contact; else None
+    bodies: object            # for a problem of bodies, the two bodies of that contact; else None
     solved_by: str            # the method that reached the tolerance, or none
     seconds: float            # of the calling thread's processor time, spent in the solver
     trace: object = None      # with trace=True: rows (sweeps and factorizations made so far, error), one for each check of the error
@@ -56,18 +59,20 @@ def bytes_of_a_sweep():
 
 
 def _arrays(problem):
-    """Return the problem's arrays for the compiled core: those of the bodies, or the rows of W in 2 x 2 blocks. They are checked anew, since they may
-    have been changed."""
+    """Return the problem's arrays for the compiled core: those of the bodies, or the rows of W in 2 x 2 or 3 x 3 blocks. They are checked anew, since
+    they may have been changed."""
     if isinstance(problem, BodyProblem):
         problem = replace(problem)
         return (problem.inverse_masses, problem.free_velocities, problem.pairs, problem.normals, problem.arms, problem.bias, problem.mu)
+    if isinstance(problem, SpaceBodyProblem):
+        problem = replace(problem).delassus()
     if not isinstance(problem, Problem):
         raise ValueError(f"{problem!r} is no contact problem: make a core.Problem of W, q and mu, or a core.BodyProblem")
-    problem = Problem(problem.W, problem.q, problem.mu)
+    problem = Problem(problem.W, problem.q, problem.mu, problem.dimension)
     if problem.contacts == 0:
         empty = np.zeros(0)
         return np.zeros(1, np.int64), np.zeros(0, np.int32), empty, empty, empty
-    blocks = problem.W.tobsr((2, 2))
+    blocks = problem.W.tobsr((problem.dimension, problem.dimension))
     blocks.sort_indices()
     return blocks.indptr.astype(np.int64), blocks.indices.astype(np.int32), blocks.data.ravel(), problem.q, problem.mu
 
@@ -114,15 +119,40 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
     threads = _count("threads", threads, 1)
     if threads > 1024:
         raise ValueError(f"threads={threads} is out of range: it must be at most 1024")
+    if isinstance(problem, SpaceBodyProblem) and method != "newton" and (spheres := replace(problem).spheres()) is not None:
+        p = None if impulses is None else vector("impulses", impulses, 3 * problem.contacts)
+        report = _solve_spheres(spheres, problem, method, tolerance, max_iterations, p, fixed_iterations, seed, threads, trace)
+        left = max_iterations - report.iterations
+        if method != "auto" or report.converged or fixed_iterations > 0 or left <= 0 or problem.contacts > MOST_IN_MATRIX:
+            return report
+        rest = solve(problem.delassus(), method, tolerance, left, report.impulses, seed=seed, trace=trace)
+        evaluations = np.vstack([report.trace, rest.trace + [report.iterations, 0]]) if trace else None
+        return replace(rest, iterations=rest.iterations + report.iterations, seconds=rest.seconds + report.seconds, trace=evaluations)
     arrays = _arrays(problem)
-    size = 2 * len(arrays[-1])
+    size = problem.dimension * len(arrays[-1])
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size)
     p, found = core.solve(arrays, p, method, float(tolerance), max_iterations, fixed_iterations, seed, bool(trace), threads)
-    p = np.frombuffer(p).copy()
+    return _report(problem, np.frombuffer(p).copy(), found, tolerance, trace)
+
+
+def _solve_spheres(spheres, problem, method, tolerance, max_iterations, impulses, fixed_iterations, seed, threads, trace):
+    """Solve by sweeps over the bodies, which know friction as a vector of the world."""
+    axes = np.stack([problem.normals, *tangents(problem.normals)], axis=1)
+    p = np.zeros((problem.contacts, 4))
+    if impulses is not None:
+        guess = impulses.reshape(-1, 3)
+        p[:, 0], p[:, 1:] = guess[:, 0], np.einsum("nk,nkj->nj", guess[:, 1:], axes[:, 1:])
+    p, found = _core().solve_spheres(spheres, p, method != "nsgs", float(tolerance), max_iterations, fixed_iterations, seed, bool(trace), threads)
+    p = np.frombuffer(p).reshape(-1, 4)
+    p = np.column_stack([p[:, 0], np.einsum("nj,nkj->nk", p[:, 1:], axes[:, 1:])])
+    return _report(problem, p.ravel(), found, tolerance, trace)
+
+
+def _report(problem, p, found, tolerance, trace):
     iterations, factorizations, e, worst, status, contact, solved_by, seconds, evaluations = found
     converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
     contact = contact if contact >= 0 and not converged else None
-    bodies = tuple(map(int, problem.pairs[contact])) if isinstance(problem, BodyProblem) and contact is not None else None
+    bodies = tuple(map(int, problem.pairs[contact])) if not isinstance(problem, Problem) and contact is not None else None
     evaluations = np.array(evaluations, float).reshape(-1, 2) if trace else None
     return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds, evaluations)
 
@@ -145,7 +175,7 @@ def residual_max(problem, impulses):
 
 def _residuals(problem, impulses):
     arrays = _arrays(problem)
-    p = vector("impulses", impulses, 2 * len(arrays[-1]))
+    p = vector("impulses", impulses, problem.dimension * len(arrays[-1]))
     if (largest := np.abs(p).max(initial=0)) > LARGEST:
         raise ValueError(f"impulses are up to {largest:g}; squares can be computed of numbers up to {LARGEST:g}")
     return _core().residual(arrays, p)

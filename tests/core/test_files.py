@@ -132,7 +132,7 @@ def test_libfclib_reads_it(written):
 
 
 @pytest.mark.parametrize("old, new, words", [
-    ("2\n3\n", "3\n3\n", "line 1.*3 dimensions"),
+    ("2\n3\n", "4\n3\n", "line 1.*4 dimensions"),
     ("2\n3\n", "2\n4\n", "line 5.*6 x 6.*4 contacts"),
     ("2\n3\n0\n", "2\n3\n7\n", "storage 7"),
     ("2\n3\n0\n6\n", "2\n3\n0\nsix\n", "line 4.*'six'"),
@@ -165,8 +165,8 @@ def replaced(name, value):
 
 
 @pytest.mark.parametrize("damage, words", [
-    (lambda file: file.move("fclib_local", "fclib_global"), "no /fclib_local"),
-    (replaced("spacedim", [3]), "spacedim.*3 dimensions"),
+    (lambda file: file.move("fclib_local", "fclib_other"), "no /fclib_local"),
+    (replaced("spacedim", [4]), "spacedim.*4 dimensions"),
     (replaced("spacedim", None), "spacedim.*missing"),
     (replaced("W", None), "W/m: is missing"),
     (replaced("W/m", [8]), "W: is 8 x 6"),

@@ -174,6 +174,7 @@ void addResiduals(const ContactSystem<Space>& system, const std::vector<double>&
 }
 
 template Residual residual(const ContactSystem<Plane>&, const std::vector<double>&);
+template Residual residual(const ContactSystem<Space3>&, const std::vector<double>&);
 template void addResiduals(
     const ContactSystem<Plane>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
 
@@ -194,7 +195,9 @@ Residual residual(const DelassusSystem& system)
 		const Components<double> p = { system.p[2 * i], system.p[2 * i + 1] };
 		const double compliance = system.blocks[system.diagonal[i]].nn;
 		// u is a sum and is known only to the round-off of its terms.
-		sum.addContact(missOf<double>(squaredMiss<double>(p, { un, ut }, { system.mu[i] }, compliance), compliance, size, 0), p, compliance);
+		sum.addContact(
+		    missOf<double>(squaredMiss(p, Components<double> { un, ut }, Friction<double> { system.mu[i] }, compliance), compliance, size, 0),
+		    p, compliance);
 	}
 	Residual r = sum.of();
 	r.bodies = 0;

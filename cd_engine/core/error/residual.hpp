@@ -123,5 +123,6 @@ void addResiduals(const ContactSystem<Space>&, const std::vector<double>& freeVe
 
 // The same for the impulses in `system`, with u = W p + q. The error of the bodies is not known here and set to 0. Costs about a sweep.
 Residual residual(const DelassusSystem& system);
+Residual residual(const ConeSystem& system);
 
 } // namespace cd

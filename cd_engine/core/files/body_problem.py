@@ -35,6 +35,7 @@ class BodyProblem:
     bias: np.ndarray
     mu: np.ndarray
     impulses: np.ndarray = field(default=None)
+    dimension = 2
 
     def __post_init__(self):
         bodies, n = (_length(name, getattr(self, name)) for name in ("inverse_masses", "mu"))

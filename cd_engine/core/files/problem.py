@@ -11,20 +11,23 @@ LARGEST = 1e140  # the squares of numbers up to this have finite sums, and those
 
 
 class Problem:
-    """n contacts of one time step in the plane, with two rows each: normal, then tangential.
+    """n contacts of one time step, each with one row for its normal and one for each tangential direction: two in the plane, three in space.
 
-    W   Delassus matrix [1/kg], a SciPy sparse matrix of 2n x 2n with a positive diagonal. It is symmetric and positive semidefinite in
-        mechanics; neither is checked, since files with few digits satisfy both only approximately
-    q   relative velocities without contact impulses [m/s], 2n; the gap or the restitution of a contact is part of its normal component
+    W   Delassus matrix [1/kg], a SciPy sparse matrix of 2n x 2n or 3n x 3n with a positive diagonal. It is symmetric and positive semidefinite in
+        mechanics; neither is checked, since files with few digits satisfy both only approximately, and some codes make W unsymmetric
+    q   relative velocities without contact impulses [m/s], 2n or 3n; the gap or the restitution of a contact is part of its normal component
     mu  Coulomb's friction coefficient of each contact, n, from 0 to 1e6
+    dimension  2 or 3; by default the one that the sizes of W and mu tell
 
     Any other input raises ValueError with the place of the error.
     """
 
-    def __init__(self, W, q, mu):
-        self.W = _matrix(W)
+    def __init__(self, W, q, mu, dimension=None):
+        rows = _matrix(W)
+        self.dimension = _dimension(rows.shape[0], mu) if dimension is None else dimension
+        self.W = _of_contacts(rows, self.dimension)
         self.q = vector("q", q, self.W.shape[0])
-        self.mu = vector("mu", mu, self.W.shape[0] // 2)
+        self.mu = vector("mu", mu, self.W.shape[0] // self.dimension)
         refuse_friction(self.mu)
         refuse_sizes(self.q, self.W.diagonal())
 
@@ -33,11 +36,19 @@ class Problem:
         return len(self.mu)
 
     def velocities(self, impulses):
-        """Return the relative velocities u = W p + q [m/s] for impulses p [N s], 2n each."""
+        """Return the relative velocities u = W p + q [m/s] for impulses p [N s], each as long as q."""
         return self.W @ vector("impulses", impulses, len(self.q)) + self.q
 
     def __repr__(self):
-        return f"<Problem of {self.contacts} contacts, {self.W.nnz} numbers in W>"
+        return f"<Problem of {self.contacts} contacts{' in space' if self.dimension == 3 else ''}, {self.W.nnz} numbers in W>"
+
+
+def _dimension(rows, mu):
+    """Return 3 if a W of so many rows has three for each number in mu, else 2."""
+    try:
+        return 3 if rows == 3 * len(mu) > 0 else 2
+    except TypeError:
+        return 2
 
 
 def _matrix(W):
@@ -57,18 +68,24 @@ def _matrix(W):
         raise ValueError(f"W is not a matrix of numbers: {error}") from None
     if rows.shape[0] != rows.shape[1]:
         raise ValueError(f"W is {rows.shape[0]} x {rows.shape[1]}; it must be square")
-    if rows.shape[0] % 2:
-        raise ValueError(f"W has {rows.shape[0]} rows; a contact has two, so their number must be even")
     if not rows.has_canonical_format:
         rows = rows.copy()
         rows.sum_duplicates()
     if (wrong := np.flatnonzero(~np.isfinite(rows.data))).size:
         row = np.searchsorted(rows.indptr, wrong[0], side="right") - 1
         raise ValueError(f"W[{row}, {rows.indices[wrong[0]]}] is {rows.data[wrong[0]]:g}, not a finite number")
+    return rows
+
+
+def _of_contacts(rows, dimension):
+    """Return this W unless its rows or its diagonal cannot be those of contacts."""
+    if rows.shape[0] % dimension:
+        what = "two, so their number must be even" if dimension == 2 else "three in space, so their number must be a multiple of it"
+        raise ValueError(f"W has {rows.shape[0]} rows; a contact has {what}")
     own = rows.diagonal()
     if (wrong := np.flatnonzero(own <= 0)).size:
-        raise ValueError(f"W[{wrong[0]}, {wrong[0]}] = {own[wrong[0]]:g}, the {'tangential' if wrong[0] % 2 else 'normal'} inverse effective "
-                         f"mass of contact {wrong[0] // 2}, must be positive")
+        raise ValueError(f"W[{wrong[0]}, {wrong[0]}] = {own[wrong[0]]:g}, the {'tangential' if wrong[0] % dimension else 'normal'} inverse "
+                         f"effective mass of contact {wrong[0] // dimension}, must be positive")
     return rows
 
 

@@ -1,4 +1,4 @@
-"""Reads the text in which Siconos writes a FrictionContactProblem of two dimensions (frictionContact_printInFile).
+"""Reads the text in which Siconos writes a FrictionContactProblem of two or three dimensions (frictionContact_printInFile).
 
     dimension, contacts, storage of the matrix (0 dense, 1 blocks, 2 sparse), rows, columns, the matrix, q, mu
 
@@ -86,12 +86,12 @@ class _Text:
 def read(path):
     """Return the `Problem` in the file. Raise ValueError with the line if the file is damaged."""
     text = _Text(path)
-    if (dimension := text.integer("the dimension")) != 2:
-        raise text.error(f"the problem has {dimension} dimensions; only 2 are supported")
+    if (dimension := text.integer("the dimension")) not in (2, 3):
+        raise text.error(f"the problem has {dimension} dimensions; only 2 and 3 are supported")
     contacts, storage, rows, columns = (text.integer(f"the {what}") for what in (
         "number of contacts", "storage of the matrix", "number of rows", "number of columns"))
-    if rows != 2 * contacts or columns != 2 * contacts:
-        raise text.error(f"the matrix is {rows} x {columns}, which does not fit {contacts} contacts with two rows each")
+    if rows != dimension * contacts or columns != dimension * contacts:
+        raise text.error(f"the matrix is {rows} x {columns}, which does not fit {contacts} contacts with {('two', 'three')[dimension - 2]} rows each")
     if storage not in (DENSE, BLOCKS, SPARSE):
         raise text.error(f"unknown matrix storage {storage}: it must be 0 (dense), 1 (blocks) or 2 (sparse)")
     row, column, value = {DENSE: _dense, BLOCKS: _blocks, SPARSE: _sparse}[storage](text, rows)
@@ -99,7 +99,7 @@ def read(path):
     if len(value) < rows:
         raise text.error(f"W has {len(value)} numbers, fewer than its {rows} rows; its diagonal must be positive")
     W = sparse.coo_matrix((value, (row, column)), shape=(rows, rows))
-    return made(path, Problem, W, text.numbers(rows, "q"), text.numbers(contacts, "mu"))
+    return made(path, Problem, W, text.numbers(rows, "q"), text.numbers(contacts, "mu"), dimension)
 
 
 def _dense(text, size):

@@ -68,6 +68,7 @@ template <class Space> bool Partition::update(const ContactSystem<Space>& system
 }
 
 template bool Partition::update(const ContactSystem<Plane>&, Threads*);
+template bool Partition::update(const ContactSystem<Space3>&, Threads*);
 
 void Partition::number()
 {

@@ -7,8 +7,10 @@ namespace cd {
 
 // The functions of a target.
 #define KERNEL(name)                                                                                                                                 \
-	constexpr GroupKernel<Plane> kernel                                                                                                          \
-	    = { name, sweep, sweepAhead, extrapolate, addImpulses, miss, sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup }
+	constexpr GroupKernel<Plane> kernel = { name, sweep<Plane>, sweepAhead<Plane>, extrapolate<Plane>, addImpulses<Plane>, miss<Plane>,          \
+		sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup };                                                            \
+	constexpr GroupKernel<Space3> spaceKernel = { name, sweep<Space3>, sweepAhead<Space3>, extrapolate<Space3>, addImpulses<Space3>,             \
+		miss<Space3>, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr }
 
 #define LANES 2
 namespace any_processor {
@@ -52,12 +54,19 @@ namespace {
 		return __builtin_cpu_supports("x86-64-v4") ? 0 : __builtin_cpu_supports("x86-64-v3") ? 1 : 2;
 	}
 
-	const GroupKernel<Plane>* chosen = all + firstSupported();
+	const GroupKernel<Space3> inSpace[] = {
+		avx512::spaceKernel,
+		avx2::spaceKernel,
+		any_processor::spaceKernel,
+	};
+
+	std::size_t chosen = firstSupported();
 
 } // namespace
 
 template <> GroupKernels<Plane> groupKernels() { return { all + firstSupported(), known - firstSupported() }; }
-template <> const GroupKernel<Plane>& groupKernel() { return *chosen; }
-template <> void useGroupKernel(const GroupKernel<Plane>& kernel) { chosen = &kernel; }
+template <> const GroupKernel<Plane>& groupKernel() { return all[chosen]; }
+template <> const GroupKernel<Space3>& groupKernel() { return inSpace[chosen]; }
+template <> void useGroupKernel(const GroupKernel<Plane>& kernel) { chosen = static_cast<std::size_t>(&kernel - all); }
 
 } // namespace cd

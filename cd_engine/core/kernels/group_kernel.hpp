@@ -2,7 +2,7 @@
 #pragma once
 
 #include "problem/problem.hpp"
-#include "kernels/group.hpp"
+#include "kernels/group_in_space.hpp"
 
 #include <cstddef>
 
@@ -62,6 +62,7 @@ template <class Space> struct GroupKernel {
 	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
 	// the sums, and writes the values of each contact to `each` if it is not null.
 	void (*miss)(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
+	// From here on for the plane only, null in space.
 	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held. Where `before` is not null,
 	// the impulses must already have the values of y, and `steps` gets the results.
 	void (*sweepRows)(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);
@@ -95,6 +96,7 @@ template <class Space> void useGroupKernel(const GroupKernel<Space>&);
 
 template <> GroupKernels<Plane> groupKernels();
 template <> const GroupKernel<Plane>& groupKernel();
-template <> void useGroupKernel(const GroupKernel<Plane>&);
+template <> const GroupKernel<Space3>& groupKernel();
+template <> void useGroupKernel(const GroupKernel<Plane>&); // in space, too; one of groupKernels()
 
 } // namespace cd

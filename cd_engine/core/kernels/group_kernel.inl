@@ -105,10 +105,10 @@ INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
 	scatter(v, [&](int lane, const Quad& q) { *reinterpret_cast<Quad*>(bodies + i[lane]) = q; });
 }
 
-using Contact = CentralContact<Vector>;
+INLINE Bodies gather(const PackedBody* bodies, const int32_t* i) { return gather<1>(bodies, i); }
 
-INLINE Contact contactOf(const Group& g, int lane) { return { load(g.nx + lane), load(g.ny + lane), load(g.at + lane), load(g.bt + lane) }; }
-INLINE Friction<Vector> frictionOf(const Group& g, int lane) { return { load(g.mu + lane) }; }
+INLINE CentralContact<Vector> contactOf(const Group& g, int lane) { return { load(g.nx + lane), load(g.ny + lane), load(g.at + lane), load(g.bt + lane) }; }
+template <class T> INLINE Friction<Vector> frictionOf(const T& g, int lane) { return { load(g.mu + lane) }; }
 INLINE Motion<Vector> motionOf(const Bodies& v) { return { v.vx, v.vy, v.spin }; }
 template <class W> INLINE void push(const Action<Vector>& of, Bodies& a, const W& wa, Bodies& b, const W& wb)
 {
@@ -116,22 +116,28 @@ template <class W> INLINE void push(const Action<Vector>& of, Bodies& a, const W
 	    Motion<const W&> { wb, wb, wb });
 }
 
-// Of a Group or a GroupBefore.
-template <class T> INLINE Components<Vector> impulsesOf(const T& g, int lane) { return { load(g.pn + lane), load(g.pt + lane) }; }
+INLINE Components<Vector> impulsesOf(const Group& g, int lane) { return { load(g.pn + lane), load(g.pt + lane) }; }
+INLINE Components<Vector> impulsesOf(const GroupBefore& g, int lane) { return { load(g.pn + lane), load(g.pt + lane) }; }
 template <class T> INLINE void setImpulses(T& g, int lane, const Components<Vector>& p)
 {
 	store(g.pn + lane, p.n);
 	store(g.pt + lane, p.t);
 }
 
-// Solves LANES contacts. The velocities of the bodies already contain the impulses p. Returns the new ones.
-INLINE Components<Vector> solve(Group& g, int lane, PackedBody* bodies, const Components<Vector>& p)
+// The impulses that would leave no velocity.
+INLINE Components<Vector> withoutVelocity(const Group& g, int lane, const Components<Vector>& p, const Components<Vector>& u)
 {
-	Bodies A = gather(bodies, g.a + lane), B = gather(bodies, g.b + lane);
-	const Contact c = contactOf(g, lane);
-	const Components<Vector> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
-	const Components<Vector> next = cut<Vector>(
-	    { p.n - (u.n + load(g.bias + lane)) * load(g.inverseWnn + lane), p.t - u.t * load(g.inverseWtt + lane) }, frictionOf(g, lane));
+	return { p.n - (u.n + load(g.bias + lane)) * load(g.inverseWnn + lane), p.t - u.t * load(g.inverseWtt + lane) };
+}
+
+#include "kernels/space_kernel.inl"
+
+// Solves LANES contacts. The velocities of the bodies already contain the impulses p. Returns the new ones.
+template <class Space, class Impulse> INLINE Impulse solve(cd::Group<Space>& g, int lane, cd::PackedBody<Space>* bodies, const Impulse& p)
+{
+	auto A = gather(bodies, g.a + lane), B = gather(bodies, g.b + lane);
+	const auto c = contactOf(g, lane);
+	const Impulse next = cut<Vector>(withoutVelocity(g, lane, p, relativeVelocity<true>(c, motionOf(A), motionOf(B))), frictionOf(g, lane));
 	setImpulses(g, lane, next);
 	push(actionOf(c, next - p), A, A.w, B, B.w);
 	scatter(bodies, g.a + lane, A);
@@ -150,7 +156,7 @@ template <class T> INLINE void fetch(const T* item)
 		__builtin_prefetch(reinterpret_cast<const char*>(item) + line);
 }
 
-static void sweep(Group* groups, std::size_t count, PackedBody* bodies)
+template <class Space> static void sweep(cd::Group<Space>* groups, std::size_t count, cd::PackedBody<Space>* bodies)
 {
 	for (std::size_t k = 0; k < count; k++) {
 		fetch(groups + k + early);
@@ -159,7 +165,9 @@ static void sweep(Group* groups, std::size_t count, PackedBody* bodies)
 	}
 }
 
-static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, PackedBody* bodies, double beta, LaneSums& sums)
+template <class Space>
+static void sweepAhead(
+    cd::Group<Space>* groups, cd::GroupBefore<Space>* before, std::size_t count, cd::PackedBody<Space>* bodies, double beta, LaneSums& sums)
 {
 	Vector change[Group::lanes / LANES], against[Group::lanes / LANES];
 	for (int half = 0; half < Group::lanes / LANES; half++) {
@@ -171,9 +179,9 @@ static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, Pa
 		fetch(before + k + early);
 		for (int half = 0; half < Group::lanes / LANES; half++) {
 			const int lane = half * LANES;
-			const Components<Vector> p = impulsesOf(groups[k], lane), y = extrapolated(p, impulsesOf(before[k], lane), beta);
+			const auto p = impulsesOf(groups[k], lane), y = extrapolated(p, impulsesOf(before[k], lane), beta);
 			setImpulses(before[k], lane, p);
-			const Components<Vector> next = solve(groups[k], lane, bodies, y);
+			const auto next = solve(groups[k], lane, bodies, y);
 			change[half] += dot(y - next, y - next);
 			against[half] += dot(y - next, next - p);
 		}
@@ -184,26 +192,27 @@ static void sweepAhead(Group* groups, GroupBefore* before, std::size_t count, Pa
 	}
 }
 
-static void extrapolate(PackedBody* bodies, PackedBody* before, std::size_t count, double beta)
+template <class Space> static void extrapolate(cd::PackedBody<Space>* bodies, cd::PackedBody<Space>* before, std::size_t count, double beta)
 {
 	// The inverse masses are extrapolated, too, but do not change: w + beta (w - w) = w.
-	for (std::size_t i = 0; i < count; i++) {
-		Quad &v = reinterpret_cast<Quad&>(bodies[i]), &last = reinterpret_cast<Quad&>(before[i]);
+	Quad *const of = reinterpret_cast<Quad*>(bodies), *const were = reinterpret_cast<Quad*>(before);
+	for (std::size_t i = 0; i < count * (sizeof *bodies / sizeof(Quad)); i++) {
+		Quad &v = of[i], &last = were[i];
 		const Quad now = v;
 		v = now + beta * (now - last);
 		last = now;
 	}
 }
 
-static void addImpulses(const Group* groups, std::size_t count, PackedBody* loads)
+template <class Space> static void addImpulses(const cd::Group<Space>* groups, std::size_t count, cd::PackedBody<Space>* loads)
 {
 	for (std::size_t k = 0; k < count; k++) {
 		fetch(groups + k + early);
-		const Group& g = groups[k];
+		const auto& g = groups[k];
 		for (int lane = 0; lane < Group::lanes; lane += LANES) {
-			Bodies A = gather(loads, g.a + lane), B = gather(loads, g.b + lane);
-			const Contact c = contactOf(g, lane);
-			const Components<Vector> p = impulsesOf(g, lane);
+			auto A = gather(loads, g.a + lane), B = gather(loads, g.b + lane);
+			const auto c = contactOf(g, lane);
+			const auto p = impulsesOf(g, lane);
 			push(actionOf(c, p), A, UnitMass {}, B, UnitMass {});
 			A.w += actingOn(c.at, p);
 			B.w += actingOn(c.bt, p);
@@ -213,18 +222,19 @@ static void addImpulses(const Group* groups, std::size_t count, PackedBody* load
 	}
 }
 
-static void miss(const Group* groups, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each)
+template <class Space>
+static void miss(const cd::Group<Space>* groups, std::size_t count, const cd::PackedBody<Space>* moved, LaneMisses& sums, GroupMiss* each)
 {
 	for (std::size_t k = 0; k < count; k++) {
 		fetch(groups + k + early);
-		const Group& g = groups[k];
+		const auto& g = groups[k];
 		for (int lane = 0; lane < Group::lanes; lane += LANES) {
-			const Bodies A = gather(moved, g.a + lane), B = gather(moved, g.b + lane);
-			const Contact c = contactOf(g, lane);
-			const Components<Vector> p = impulsesOf(g, lane);
+			const auto A = gather(moved, g.a + lane), B = gather(moved, g.b + lane);
+			const auto c = contactOf(g, lane);
+			const auto p = impulsesOf(g, lane);
 			const Vector bias = load(g.bias + lane), inverse = load(g.inverseWnn + lane), none = {};
 			const Compliance<Vector> wnn = { inverse > none ? 1 / inverse : none, inverse };
-			Components<Vector> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
+			auto u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
 			u.n += bias;
 			const Miss<Vector> miss
 			    = missOf<Vector>(squaredMiss(p, u, frictionOf(g, lane), wnn), wnn, sizeOf(c, bias, motionOf(A), motionOf(B)), A.w + B.w);

@@ -2,5 +2,6 @@
 #pragma once
 
 #include "kernels/group.hpp"
+#include "kernels/group_in_space.hpp"
 #include "kernels/group_kernel.hpp"
 #include "kernels/group_source.hpp"

@@ -135,7 +135,7 @@ static void effects(const Place* places, const Mean* means, const Plane::Impulse
 			pt[l] = p[at].t;
 		}
 		const Vector nx = d.nx, ny = d.ny;
-		const Contact c = { nx, ny, d.radiusA - 0.5 * d.overlap, -(d.radiusB - 0.5 * d.overlap) };
+		const CentralContact<Vector> c = { nx, ny, d.radiusA - 0.5 * d.overlap, -(d.radiusB - 0.5 * d.overlap) };
 		const Components<Vector> u = relativeVelocity<false>(c, motionOf(A), motionOf(B));
 		store(e.nx + lane, nx);
 		store(e.ny + lane, ny);

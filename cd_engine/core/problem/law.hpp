@@ -52,7 +52,7 @@ Miss<double> missOf(const ContactRow<Space>& c, double compliance, const MotionO
 // |p - P_K(...)|^2; un, ut: relative velocity, with the bias.
 inline double squaredDifference(double pn, double pt, double un, double ut, double mu, double compliance)
 {
-	return squaredMiss<double>({ pn, pt }, { un, ut }, { mu }, compliance);
+	return squaredMiss(Components<double> { pn, pt }, Components<double> { un, ut }, Friction<double> { mu }, compliance);
 }
 
 // cut() that keeps a NaN and the sign of a zero: a NaN tells that a solution has failed.
@@ -95,7 +95,7 @@ inline Components<double> solveContact(const ContactRow<Plane>& c, const Compone
 {
 	assert(c.wnn > 0);
 	if (c.wnt == 0 && c.wtt > 0)
-		return cut<double>({ p.n - u.n / c.wnn, p.t - u.t / c.wtt }, frictionOf(c));
+		return cut(Components<double> { p.n - u.n / c.wnn, p.t - u.t / c.wtt }, frictionOf(c));
 	return solveLocal(c.wnn, c.wnt, c.wnt, c.wtt, c.mu, u.n - (c.wnn * p.n + c.wnt * p.t), u.t - (c.wnt * p.n + c.wtt * p.t));
 }
 // The same where it has none. -0: 0 - 0 would lose the sign of a zero.

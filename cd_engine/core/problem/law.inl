@@ -186,4 +186,6 @@ template <class N> LAW Components<N> solveLocal(const N& nn, const N& nt, const 
 	return { q.n < none ? n : none, q.n < none ? t : none };
 }
 
+#include "problem/law_in_space.inl"
+
 #undef LAW

@@ -3,4 +3,5 @@
 
 #include "scene/contact_geometry.hpp"
 #include "scene/hidden_corners.hpp"
+#include "scene/space3.hpp"
 #include "scene/world.hpp"

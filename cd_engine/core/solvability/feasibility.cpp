@@ -96,6 +96,19 @@ namespace {
 				row(static_cast<int32_t>(i), root(i, false), s.q[2 * i], std::abs(s.q[2 * i]), un);
 			}
 		}
+		void read(const ConeSystem& s)
+		{
+			clear(3 * s.contacts());
+			for (std::size_t i = 0; i < s.contacts(); i++) {
+				const double root = std::sqrt(s.own(i)[0]);
+				for (std::size_t k = s.start[i]; k < s.start[i + 1]; k++)
+					for (int c = 0; c < 3; c++) {
+						const int32_t j = s.column[k];
+						entry(3 * j + c, s.blocks[k][c] / root / std::sqrt(s.own(j)[4 * c]));
+					}
+				row(static_cast<int32_t>(i), root, s.q[i][0], std::abs(s.q[i][0]), s.velocity(i, s.p)[0]);
+			}
+		}
 
 		Feasibility search(double least, int products)
 		{
@@ -261,6 +274,12 @@ Feasibility feasibility(const ContactSystem<Plane>& s, const std::vector<double>
 	return search->search(least, products);
 }
 Feasibility feasibility(const DelassusSystem& s, double least, int products)
+{
+	const Borrowed<LeastSquares> search(s.memory);
+	search->read(s);
+	return search->search(least, products);
+}
+Feasibility feasibility(const ConeSystem& s, double least, int products)
 {
 	const Borrowed<LeastSquares> search(s.memory);
 	search->read(s);

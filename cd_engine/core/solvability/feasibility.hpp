@@ -33,5 +33,6 @@ struct Feasibility {
 // problem, velocities are W p + q for all p, whatever their signs.
 Feasibility feasibility(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity, double least, int products);
 Feasibility feasibility(const DelassusSystem&, double least, int products);
+Feasibility feasibility(const ConeSystem&, double least, int products);
 
 } // namespace cd

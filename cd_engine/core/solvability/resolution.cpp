@@ -16,9 +16,10 @@ namespace {
 	class Sum {
 	    public:
 		// un, free: normal velocities with and without the impulses p; terms: the magnitudes of what adds up to un.
-		void add(int32_t contact, double compliance, double un, double free, double terms, double pn, double pt)
+		// tangential: |p_t|^2.
+		void add(int32_t contact, double compliance, double un, double free, double terms, double pn, double tangential)
 		{
-			const double square = compliance * (pn * pn + pt * pt), power = -pn * un;
+			const double square = compliance * (pn * pn + tangential), power = -pn * un;
 			if (!std::isfinite(un) || !std::isfinite(square)) {
 				if (found.finite)
 					found.contact = contact;
@@ -70,7 +71,7 @@ Resolution resolution(const ContactSystem<Plane>& s, const std::vector<double>& 
 		const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
 		const double free = relativeVelocity<false>(c, motionOf<Plane>(&freeVelocity[3 * c.a]), motionOf<Plane>(&freeVelocity[3 * c.b])).n;
 		const double size = sizeOf<double>(c, c.bias, motionOf<Plane>(s.bodies[c.a].v), motionOf<Plane>(s.bodies[c.b].v));
-		sum.add(static_cast<int32_t>(i), c.wnn, un + c.bias, free + c.bias, size, c.pn, c.pt);
+		sum.add(static_cast<int32_t>(i), c.wnn, un + c.bias, free + c.bias, size, c.pn, c.pt * c.pt);
 	}
 	return sum.result();
 }
@@ -92,7 +93,28 @@ Resolution resolution(const DelassusSystem& s)
 		const double pn = s.p[2 * i], pt = s.p[2 * i + 1];
 		energy += pn * n + pt * t;
 		terms += std::abs(pn) * sizes[0] + std::abs(pt) * sizes[1];
-		sum.add(static_cast<int32_t>(i), s.blocks[s.diagonal[i]].nn, n + s.q[2 * i], s.q[2 * i], sizes[0] + std::abs(s.q[2 * i]), pn, pt);
+		sum.add(static_cast<int32_t>(i), s.blocks[s.diagonal[i]].nn, n + s.q[2 * i], s.q[2 * i], sizes[0] + std::abs(s.q[2 * i]), pn, pt * pt);
+	}
+	sum.found.indefinite = energy < -sixDigits * terms;
+	return sum.result();
+}
+
+Resolution resolution(const ConeSystem& s)
+{
+	Sum sum;
+	double energy = 0, terms = 0;
+	for (std::size_t i = 0; i < s.contacts(); i++) {
+		const Triple u = difference(s.velocity(i, s.p), s.q[i]), &p = s.p[i];
+		Triple sizes = { 0, 0, 0 };
+		for (std::size_t k = s.start[i]; k < s.start[i + 1]; k++)
+			for (std::size_t c = 0; c < 9; c++)
+				sizes[c / 3] += std::abs(s.blocks[k][c] * s.p[s.column[k]][c % 3]);
+		for (std::size_t c = 0; c < 3; c++) {
+			energy += p[c] * u[c];
+			terms += std::abs(p[c]) * sizes[c];
+		}
+		const double free = s.q[i][0];
+		sum.add(static_cast<int32_t>(i), s.own(i)[0], u[0] + free, free, sizes[0] + std::abs(free), p[0], p[1] * p[1] + p[2] * p[2]);
 	}
 	sum.found.indefinite = energy < -sixDigits * terms;
 	return sum.result();

@@ -32,6 +32,7 @@ struct Resolution {
 // the velocities of the impulses.
 Resolution resolution(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
 Resolution resolution(const DelassusSystem&);
+Resolution resolution(const ConeSystem&);
 
 // With a larger growth, round-off makes velocities wrong by a ten-thousandth of those that the impulses must stop. A mass ratio of 1 : 1e8 makes 1e8.
 constexpr double mostGrowth = 1e11;

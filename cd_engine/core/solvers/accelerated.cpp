@@ -94,9 +94,58 @@ namespace {
 		bool drifting = false; // in the last window
 	};
 
-	struct RowMomentumSweeps : PlainSweeps<DelassusSweep> { // its groups restart one by one
-		void operator()() { sweep.ahead(); }
+	template <class S> struct RowMomentumSweeps : PlainSweeps<S> { // its groups restart one by one
+		void operator()() { this->sweep.ahead(); }
 	};
+
+	// Momentum of groups can oscillate for ever: over W = 1 + 0.02, all entries, 1000 contacts, it stays at an error of 0.6, while plain sweeps
+	// need 250. Plain sweeps are therefore tried, too. Both are compared at the same number of sweeps. The one with the smaller error goes on to
+	// four times as many, then the other catches up to a new comparison. Where momentum leads, its path is the same to the last bit.
+	template <class S> SolverReport compared(typename S::System& system, const SolverSettings& settings)
+	{
+		constexpr int share = 4, firstTrial = 100;
+		const int all = settings.maxIterations;
+		if (settings.fixedIterations > 0 || all <= firstTrial)
+			return iterate<S, RowMomentumSweeps<S>>(system, settings);
+		std::optional<Start> own;
+		const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
+		S withMomentum(system, settings.seed, settings.threads);
+		RowMomentumSweeps<S> improve { { withMomentum } };
+		Iteration<S> first(withMomentum, settings);
+		first.begin();
+		if (first.advance(improve, firstTrial, all))
+			return first.conclude();
+		start.free(system);
+		start.guess(system);
+		S sweep(system, settings.seed, settings.threads);
+		PlainSweeps<S> plain { sweep };
+		Iteration<S> second(sweep, settings);
+		second.begin();
+		const auto toFirst = [&](int until) { return first.advance(improve, until, all - second.iterations()); };
+		const auto toSecond = [&](int until) { return second.advance(plain, until, all - first.iterations()); };
+		const auto later = [&](const Iteration<S>& other) { return other.iterations() > all / share ? all : share * other.iterations(); };
+		const auto end = [&](bool usesPlain) {
+			SolverReport report = usesPlain ? second.conclude() : first.conclude();
+			report.iterations = first.iterations() + second.iterations();
+			report.plain = usesPlain;
+			return report;
+		};
+		for (;;) {
+			const bool plainEnded = toSecond(first.iterations()), plainLeads = second.solved() || second.least() < first.least();
+			if (!plainLeads && plainEnded) {
+				toFirst(all);
+				return end(false);
+			}
+			if (plainEnded || (plainLeads ? toSecond(later(first)) : toFirst(later(second))))
+				return end(plainLeads);
+			if (plainLeads && toFirst(second.iterations())) {
+				if (first.solved())
+					return end(false);
+				toSecond(all);
+				return end(true);
+			}
+		}
+	}
 
 } // namespace
 
@@ -105,54 +154,8 @@ template <class Space> SolverReport accelerated(ContactSystem<Space>& system, co
 	return iterate<Sweep<Space>, Momentum<Sweep<Space>>>(system, settings);
 }
 template SolverReport accelerated(ContactSystem<Plane>&, const SolverSettings&);
-
-// Momentum of groups can oscillate for ever: over W = 1 + 0.02, all entries, 1000 contacts, it stays at an error of 0.6, while plain sweeps
-// need 250. Plain sweeps are therefore tried, too. Both are compared at the same number of sweeps. The one with the smaller error goes on to
-// four times as many, then the other catches up to a new comparison. Where momentum leads, its path is the same to the last bit.
-SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings)
-{
-	constexpr int share = 4, firstTrial = 100;
-	const int all = settings.maxIterations;
-	if (settings.fixedIterations > 0 || all <= firstTrial)
-		return iterate<DelassusSweep, RowMomentumSweeps>(system, settings);
-	std::optional<Start> own;
-	const Start& start = settings.start ? *settings.start : own.emplace(system, settings.threads);
-	DelassusSweep withMomentum(system, settings.seed, settings.threads);
-	RowMomentumSweeps improve { withMomentum };
-	Iteration<DelassusSweep> first(withMomentum, settings);
-	first.begin();
-	if (first.advance(improve, firstTrial, all))
-		return first.conclude();
-	start.free(system);
-	start.guess(system);
-	DelassusSweep sweep(system, settings.seed, settings.threads);
-	PlainSweeps<DelassusSweep> plain { sweep };
-	Iteration<DelassusSweep> second(sweep, settings);
-	second.begin();
-	const auto toFirst = [&](int until) { return first.advance(improve, until, all - second.iterations()); };
-	const auto toSecond = [&](int until) { return second.advance(plain, until, all - first.iterations()); };
-	const auto later = [&](const Iteration<DelassusSweep>& other) { return other.iterations() > all / share ? all : share * other.iterations(); };
-	const auto end = [&](bool usesPlain) {
-		SolverReport report = usesPlain ? second.conclude() : first.conclude();
-		report.iterations = first.iterations() + second.iterations();
-		report.plain = usesPlain;
-		return report;
-	};
-	for (;;) {
-		const bool plainEnded = toSecond(first.iterations()), plainLeads = second.solved() || second.least() < first.least();
-		if (!plainLeads && plainEnded) {
-			toFirst(all);
-			return end(false);
-		}
-		if (plainEnded || (plainLeads ? toSecond(later(first)) : toFirst(later(second))))
-			return end(plainLeads);
-		if (plainLeads && toFirst(second.iterations())) {
-			if (first.solved())
-				return end(false);
-			toSecond(all);
-			return end(true);
-		}
-	}
-}
+template SolverReport accelerated(ContactSystem<Space3>&, const SolverSettings&);
+SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings) { return compared<DelassusSweep>(system, settings); }
+SolverReport accelerated(ConeSystem& system, const SolverSettings& settings) { return compared<ConeSweep>(system, settings); }
 
 } // namespace cd

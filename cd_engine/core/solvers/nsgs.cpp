@@ -11,7 +11,9 @@ template <class Space> SolverReport nsgs(ContactSystem<Space>& system, const Sol
 	return iterate<Sweep<Space>>(system, settings);
 }
 template SolverReport nsgs(ContactSystem<Plane>&, const SolverSettings&);
+template SolverReport nsgs(ContactSystem<Space3>&, const SolverSettings&); // nobody tests whether these resolve the velocities
 
 SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }
+SolverReport nsgs(ConeSystem& system, const SolverSettings& settings) { return iterate<ConeSweep>(system, settings); }
 
 } // namespace cd

@@ -20,16 +20,19 @@ namespace {
 	// Products with J that a search for velocities may take. One costs about four sweeps.
 	int productsAfter(int sweeps) { return 200 + sweeps / 10; }
 
-	// A matrix does not tell boundaries from bodies.
-	double closingOfBoundaries(const DelassusSystem&, const std::vector<double>&) { return std::numeric_limits<double>::infinity(); }
-	Resolution resolution(const DelassusSystem& s, const std::vector<double>&) { return resolution(s); }
-	Feasibility feasibility(const DelassusSystem& s, const std::vector<double>&, double least, int products)
+	// Of a matrix problem, in the plane or in space. It does not tell boundaries from bodies.
+	template <class Matrix> double closingOfBoundaries(const Matrix&, const std::vector<double>&)
+	{
+		return std::numeric_limits<double>::infinity();
+	}
+	template <class Matrix> Resolution resolution(const Matrix& s, const std::vector<double>&) { return resolution(s); }
+	template <class Matrix> Feasibility feasibility(const Matrix& s, const std::vector<double>&, double least, int products)
 	{
 		return feasibility(s, least, products);
 	}
 
 	std::size_t contactsIn(const ContactSystem<Plane>& s) { return s.contacts.size(); }
-	std::size_t contactsIn(const DelassusSystem& s) { return s.contacts(); }
+	template <class Matrix> std::size_t contactsIn(const Matrix& s) { return s.contacts(); }
 	// Products of a search where the velocities are resolved already: a small part of a step of a large problem.
 	template <class System> int mostProducts(const System& s) { return 20 + 20000 / (1 + static_cast<int>(contactsIn(s))); }
 
@@ -41,7 +44,7 @@ namespace {
 	}
 
 	void makeRows(ContactSystem<Plane>& s) { s.contacts.make(); }
-	void makeRows(DelassusSystem&) { }
+	template <class Matrix> void makeRows(Matrix&) { }
 
 	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
 
@@ -192,12 +195,13 @@ namespace {
 		const char* name = nullptr;
 		Solver<Plane> solver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
+		ConeSolver coneSolver = nullptr;
 	};
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<DelassusSystem, nsgs> },
-		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated> },
-		{ "newton", solved<ContactSystem<Plane>, newton>, solved<DelassusSystem, newton> },
-		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic> },
+		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs> },
+		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated> },
+		{ "newton", solved<ContactSystem<Plane>, newton>, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic> },
 	};
 
 	const Entry& find(const std::string& method)
@@ -211,6 +215,7 @@ namespace {
 
 Solver<Plane> findSolver(const std::string& method) { return find(method).solver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
+ConeSolver findConeSolver(const std::string& method) { return find(method).coneSolver; }
 
 std::vector<std::string> solverNames()
 {

@@ -80,6 +80,7 @@ struct SolverReport {
 template <class Space> using Solver = SolverReport (*)(ContactSystem<Space>&, const SolverSettings&);
 // The same method for a problem given by its matrix; improves the impulses in `system.p`.
 using DelassusSolver = SolverReport (*)(DelassusSystem&, const SolverSettings&);
+using ConeSolver = SolverReport (*)(ConeSystem&, const SolverSettings&); // in space
 
 // Which method brought a problem given to `method` to its tolerance; "none" if none did.
 std::string solvedBy(const std::string& method, const SolverReport&);
@@ -88,15 +89,20 @@ std::string solvedBy(const std::string& method, const SolverReport&);
 // tolerance, they go on to smaller ones. Under fixedIterations nothing of this is done.
 Solver<Plane> findSolver(const std::string& method);
 DelassusSolver findDelassusSolver(const std::string& method);
+ConeSolver findConeSolver(const std::string& method);
 std::vector<std::string> solverNames();
 
 template <class Space> SolverReport nsgs(ContactSystem<Space>&, const SolverSettings&);
 SolverReport nsgs(DelassusSystem&, const SolverSettings&);
+SolverReport nsgs(ConeSystem&, const SolverSettings&);
 template <class Space> SolverReport accelerated(ContactSystem<Space>&, const SolverSettings&);
 SolverReport accelerated(DelassusSystem&, const SolverSettings&);
+SolverReport accelerated(ConeSystem&, const SolverSettings&);
 SolverReport newton(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport newton(DelassusSystem&, const SolverSettings&);
+SolverReport newton(ConeSystem&, const SolverSettings&);
 SolverReport automatic(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport automatic(DelassusSystem&, const SolverSettings&);
+SolverReport automatic(ConeSystem&, const SolverSettings&);
 
 } // namespace cd

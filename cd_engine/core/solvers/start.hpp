@@ -53,6 +53,14 @@ class Start {
 	{
 		impulses = s.p;
 	}
+	Start(const ConeSystem& s, Threads* t)
+	    : threads(t)
+	    , kept(s.memory)
+	{
+		impulses.clear();
+		for (const Triple& p : s.p)
+			impulses.insert(impulses.end(), p.begin(), p.end());
+	}
 
 	// Restores the free velocities. A method leaves the velocities of its impulses, but the next one needs the free ones.
 	void free(ContactSystem<Plane>& s) const
@@ -63,6 +71,7 @@ class Start {
 		});
 	}
 	void free(DelassusSystem&) const { } // it has no velocities
+	void free(ConeSystem&) const { }
 
 	void guess(ContactSystem<Plane>& s) const
 	{
@@ -75,6 +84,11 @@ class Start {
 		}
 	}
 	void guess(DelassusSystem& s) const { s.p = impulses; }
+	void guess(ConeSystem& s) const
+	{
+		for (std::size_t i = 0; i < impulses.size(); i++)
+			s.p[i / 3][i % 3] = impulses[i];
+	}
 
 	const std::vector<double>& freeVelocity() const { return velocities; } // three a body; none for a matrix
 
@@ -98,6 +112,13 @@ class Start {
 			square += s.blocks[s.diagonal[i]].nn * (impulses[2 * i] * impulses[2 * i] + impulses[2 * i + 1] * impulses[2 * i + 1]);
 		return std::sqrt(square);
 	}
+	double weight(const ConeSystem& s) const
+	{
+		double square = 0;
+		for (std::size_t i = 0; i < impulses.size(); i++)
+			square += s.own(i / 3)[0] * impulses[i] * impulses[i];
+		return std::sqrt(square);
+	}
 	bool solvable = false; // surelySolvable()
 
     private:
@@ -112,7 +133,7 @@ class Start {
 	Threads* const threads;
 	const RowSource<Plane>* source = nullptr; // of the guess, while the rows were not made
 	struct State {
-		std::vector<double> velocities, impulses; // three a body, none for a matrix; two a contact
+		std::vector<double> velocities, impulses; // three a body, none for a matrix; two a contact, three in space
 	};
 	Borrowed<State> kept;
 	std::vector<double>&velocities = kept->velocities, &impulses = kept->impulses;

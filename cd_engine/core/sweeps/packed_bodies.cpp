@@ -90,5 +90,6 @@ template <class Space> void PackedBodies<Space>::store(int32_t block, std::vecto
 }
 
 template class PackedBodies<Plane>;
+template class PackedBodies<Space3>;
 
 } // namespace cd

@@ -131,5 +131,6 @@ template <class Space> void PackedContacts<Space>::copyFrom(const SweptImpulses&
 }
 
 template class PackedContacts<Plane>;
+template class PackedContacts<Space3>;
 
 } // namespace cd

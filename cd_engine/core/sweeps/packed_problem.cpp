@@ -53,5 +53,6 @@ template <class Space> void PackedProblem<Space>::store(ContactSystem& system, T
 }
 
 template struct PackedProblem<Plane>;
+template struct PackedProblem<Space3>;
 
 } // namespace cd

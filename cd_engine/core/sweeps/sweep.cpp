@@ -133,5 +133,6 @@ template <class Space> AheadReport Sweep<Space>::ahead(double beta)
 }
 
 template class Sweep<Plane>;
+template class Sweep<Space3>;
 
 } // namespace cd

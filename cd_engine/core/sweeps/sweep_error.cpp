@@ -262,5 +262,6 @@ template <class Space> void SweepError<Space>::addBodies(const PackedBodies& bod
 }
 
 template class SweepError<Plane>;
+template class SweepError<Space3>;
 
 } // namespace cd

@@ -7,8 +7,9 @@ import hashlib
 import pathlib
 from dataclasses import dataclass
 
+from cd_engine import core
 from yade_scripts.measuring import store
-from yade_scripts.measuring.benchmark import problems, siconos, solutions, sweeps
+from yade_scripts.measuring.benchmark import problems, siconos, solutions, space, space_scenes, sweeps
 from yade_scripts.tables import product
 
 BOTH = ("cold", "warm")
@@ -17,6 +18,7 @@ BOTH = ("cold", "warm")
 # What measures the rows of each table, as function(folder of the problems, **settings).
 MEASURE = {
     "solutions": lambda folder, problem, **how: solutions.measure(problems.case(folder, **problem), **how),
+    "space": lambda folder, problem, **how: space.measure(problems.case(folder, **problem), **how),
     "sweeps": sweeps.measure,
     "step": lambda folder, **settings: [problems.in_yade("step", settings)],
     "threads": lambda folder, **settings: problems.in_yade("threads", settings),
@@ -63,6 +65,13 @@ def _solve(*rows, **how):
     return [Piece("solutions", {"problem": problem} | how) for several in rows for problem in several]
 
 
+def _space(*rows, files=(), **how):
+    """Return pieces of space.py, one for each problem in the rows and each file of a problem in space."""
+    rows = *rows, [settings for settings in _of_files(files) if core.read_problem(settings["path"]).dimension == 3]
+    how = {"peer": siconos.available() is None} | how
+    return [Piece("space", {"problem": problem} | how) for several in rows for problem in several]
+
+
 def _packings(disks, seed, start):
     return product(kind="packing", disks=disks, seed=seed, mu=problems.FRICTION, start=start)
 
@@ -72,10 +81,15 @@ def _of_files(files):
     return [{"kind": "file", "path": str(path), "sha256": hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()} for path in files]
 
 
+def _plane(files):
+    return [settings for settings in _of_files(files) if core.read_problem(settings["path"]).dimension == 2]
+
+
 def quick(files):
     """Return the pieces of a benchmark of one minute: one small packing, a row or two in each table."""
     peer = siconos.available() is None
-    return (_solve(_packings(400, 1, BOTH), product(kind="crystal", rows=10, mu=0.8), _of_files(files), targets=(1e-2, 1e-4, 1e-6), most_seconds=2.0)
+    return (_solve(_packings(400, 1, BOTH), product(kind="crystal", rows=10, mu=0.8), _plane(files), targets=(1e-2, 1e-4, 1e-6), most_seconds=2.0)
+            + _space(product(kind="space", shape=("spheres", "boxes"), bodies=20, mu=0.5), files=files, rounds=2, most_seconds=1.0)
             + _pieces("sweeps", product(disks=400, copies=(1, 10), rounds=3, peer=peer))
             + _pieces("step", product(rows=20, columns=20, tolerance=1e-4, steps=100, order="built"))
             + _pieces("threads", product(rows=20, columns=20, tolerance=1e-4, steps=100)))
@@ -90,7 +104,9 @@ def full(files):
             + _solve(product(kind="crystal", rows=20, mu=(0.5, 0.8)), product(kind="crystal", rows=60, mu=0.8),
                      product(kind="masses", disks=400, seed=1, mu=(0.5, 0.1)), product(kind="masses", disks=4000, seed=1, mu=0.1),
                      product(kind="crystal", rows=20, mu=(0.5, 0.8), ratio=1000.0, name="pile 1000:1 of"))
-            + _solve(_of_files(files), **longer)
+            + _solve(_plane(files), **longer)
+            + _space(product(kind="space", shape=tuple(space_scenes.POINTS), bodies=(20, 60), mu=(0.1, 0.5), ratio=(1.0, 1e3)), files=files,
+                     most_seconds=10.0)
             + _pieces("sweeps", product(disks=400, copies=1, rounds=5, peer=peer), product(disks=4000, copies=(1, 10), rounds=5, peer=peer),
                       product(disks=4000, copies=200, rounds=3, peer=peer))
             + _pieces("step", *(product(**step, columns=columns, steps=steps, tolerance=(1e-4, 1e-6))

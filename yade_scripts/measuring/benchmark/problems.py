@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cd_engine import core
+from yade_scripts.measuring.benchmark import space_scenes
 from yade_scripts.running import locks, queue
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -21,7 +22,7 @@ SIDE = 0.01         # radius of a lattice's disks [m]
 class Case:
     """A contact problem and its first guess."""
     name: str
-    kind: str      # packing, crystal, masses, pile, file
+    kind: str      # packing, crystal, masses, pile, file, space
     mu: float      # nan for a problem from a file, whose contacts may differ in mu
     disks: int     # 0 for a problem from a file
     seed: int
@@ -31,7 +32,7 @@ class Case:
     @property
     def impulses(self):
         """First guess [N s]."""
-        return self.problem.impulses if self.start == "warm" else np.zeros(2 * self.problem.contacts)
+        return self.problem.impulses if self.start == "warm" else np.zeros(self.problem.dimension * self.problem.contacts)
 
 
 def state(folder, disks, seed, mu):
@@ -57,7 +58,8 @@ def in_yade(module, settings):
 
 def case(folder, kind, **settings):
     """Return the Case of a kind: what the function of that name below makes of the settings."""
-    kinds = {"packing": functools.partial(packing, folder), "masses": functools.partial(masses, folder), "crystal": crystal, "file": from_file}
+    kinds = {"packing": functools.partial(packing, folder), "masses": functools.partial(masses, folder), "crystal": crystal, "file": from_file,
+             "space": space}
     return kinds[kind](**settings)
 
 
@@ -105,6 +107,12 @@ def crystal(rows, mu, ratio=1.0, name="crystal"):
     free = np.where(inverse > 0, (0, -9.81e-3, 0), 0)
     problem = core.BodyProblem(inverse, free, pairs, links[:, 2:], arms, np.zeros(n), np.full(n, mu))
     return Case(f"{name} {rows} x {rows} mu {mu:g}", name, mu, rows * rows, 0, "cold", problem)
+
+
+def space(shape, bodies, mu, ratio=1.0):
+    """Return the Case of a random scene in space (space_scenes.py)."""
+    problem = space_scenes.scene(shape, bodies, mu, bodies, ratio)
+    return Case(f"{bodies} {shape} mu {mu:g} masses over {ratio:g}", "space", mu, bodies, bodies, "cold", problem)
 
 
 def from_file(path, sha256=""):

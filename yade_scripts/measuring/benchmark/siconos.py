@@ -30,13 +30,14 @@ def available():
 
 def write_blocks(file, problem):
     """Write the text in which Siconos reads a problem with W in sparse blocks; 17 digits give every number exactly."""
-    n, W = problem.contacts, problem.W.tobsr((2, 2))
+    n, d = problem.contacts, problem.dimension
+    W = problem.W.tobsr((d, d))
     W.sort_indices()
-    count, ends = len(W.indices), range(2, 2 * n + 1, 2)
-    for line in ([2], [n], [1], [2 * n], [2 * n], [count], [n], [n], ends, ends, [n + 1], [count], W.indptr, W.indices):
+    count, ends = len(W.indices), range(d, d * n + 1, d)
+    for line in ([d], [n], [1], [d * n], [d * n], [count], [n], [n], ends, ends, [n + 1], [count], W.indptr, W.indices):
         file.write(" ".join(map(str, line)) + "\n")
-    blocks = W.data.transpose(0, 2, 1).reshape(-1, 4)  # each block by columns
-    np.savetxt(file, np.column_stack([np.arange(count), blocks]), "%d\n%.17g\n%.17g\n%.17g\n%.17g")
+    blocks = W.data.transpose(0, 2, 1).reshape(-1, d * d)  # each block by columns
+    np.savetxt(file, np.column_stack([np.arange(count), blocks]), "%d" + d * d * "\n%.17g")
     np.savetxt(file, np.concatenate([problem.q, problem.mu]), "%.17g")
     file.flush()
 

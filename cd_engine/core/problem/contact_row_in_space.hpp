@@ -1,0 +1,48 @@
+// A contact in space whose normal passes through the centre of every body that can turn (law_in_space.inl): between spheres, or a sphere and a
+// boundary. Other contacts need the full inertia, in cone_system.hpp.
+#pragma once
+
+#include "problem/contact_row.hpp"
+
+#include <cmath>
+
+namespace cd {
+
+template <> struct ContactRow<Space3> {
+	static constexpr bool central = true;
+	int32_t a = 0, b = 0; // indices of the bodies
+	double nx = 0, ny = 0, nz = 0; // unit normal a -> b
+	double at = 0, bt = 0; // from the centres of `a` and `b` to the contact [m]; 0 where the body does not turn
+	double bias = 0; // [m/s]
+	double mu = 0; // Coulomb friction coefficient
+	double wnn = 0, wtt = 0; // own block of W [1/kg]
+	double pn = 0, px = 0, py = 0, pz = 0; // impulse on `b` [N s], along the normal and across it
+
+	bool groupable(bool turnsA, bool turnsB) const { return wnn > 0 && wtt > 0 && (turnsA || at == 0) && (turnsB || bt == 0); }
+	static bool held(double along, double all) { return along <= 1e-29 * all; } // as in the plane
+	double freedom(const double* a, const double* b) const { return a[0] + a[1] + a[2] + b[0] + b[1] + b[2] + at * at * a[3] + bt * bt * b[3]; }
+	double compliance(const double* a, const double* b) const
+	{
+		return nx * nx * (a[0] + b[0]) + ny * ny * (a[1] + b[1]) + nz * nz * (a[2] + b[2]);
+	}
+	void scaleArms(double a, double b)
+	{
+		at *= a;
+		bt *= b;
+	}
+	double armA() const { return at; }
+	double armB() const { return bt; }
+	bool consistent() const { return std::abs(nx * nx + ny * ny + nz * nz - 1) < 1e-6 && !(mu < 0) && at >= 0 && bt >= 0; }
+
+	// wtt is the same in all directions: boundaries that can move do so along their normals or alike in all directions.
+	void assembleBlock(const BodyVelocity<Space3>& A, const BodyVelocity<Space3>& B)
+	{
+		const double all = A.w[0] + A.w[1] + A.w[2] + B.w[0] + B.w[1] + B.w[2];
+		wnn = compliance(A.w, B.w);
+		wtt = 0.5 * (all - wnn) + at * at * A.w[3] + bt * bt * B.w[3];
+		if (wnn > 0 && held(wnn, freedom(A.w, B.w)))
+			wnn = pn = px = py = pz = 0;
+	}
+};
+
+} // namespace cd
