@@ -190,7 +190,7 @@ cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene* of) const
 	const std::lock_guard<std::mutex> lock(attributesLock);
 	cd::StepSettings<cd::Plane> s;
 	s.dt = scene_dt(of);
-	s.restitution = restitution;
+	s.restitution = en.given() ? pairValues().largestRestitution() : restitution;
 	(gapVelocity ? s.gapCorrection : s.overlapCorrection) = gapCorrection;
 	s.dampingRatio = dampingRatio;
 	s.allowedOverlap = allowedOverlap;
@@ -220,12 +220,20 @@ StiffnessSettings ContactDynamics::readStiffness() const
 	if (s.rigid() && (finite || dampingRatio > 0))
 		throw SceneError(
 		    text("ContactDynamics: ", finite ? "tangentialStiffness" : "dampingRatio", " needs a stiffness: set stiffness, too"));
-	if (!s.rigid() && restitution > 0)
+	if (!s.rigid() && (restitution > 0 || en.given()))
 		throw SceneError("ContactDynamics: contacts with a stiffness rebound by their springs. Set restitution to 0; a dampingRatio of "
 				 "-ln(e)/sqrt(pi^2 + ln(e)^2) gives the restitution e");
 	if (!s.rigid() && gapCorrection > 0)
 		throw SceneError("ContactDynamics: springs need their overlaps. Set gapCorrection to 0, or stiffness to inf");
 	return s;
+}
+
+PairValues ContactDynamics::pairValues() const { return { en, frictAngle, restitution }; }
+
+PairValues ContactDynamics::readPairValues() const
+{
+	const std::lock_guard<std::mutex> lock(attributesLock);
+	return pairValues();
 }
 
 // Gives the step what is saved of rest.
@@ -268,6 +276,8 @@ void ContactDynamics::advance()
 	others.check(this, scene, weighs != Vector3r::Zero());
 	const cd::StepSettings<cd::Plane> settings = this->settings(scene);
 	link.stiffness = readStiffness();
+	if (link.setValues(readPairValues()))
+		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	last = settings;
@@ -280,7 +290,7 @@ void ContactDynamics::advance()
 	warnBeforeStep(settings.dt);
 
 	const bool tracks = scene_trackEnergy(scene);
-	const double height = tracks ? energyOf(link.world, weighs).weight : 0;
+	const double height = tracks ? energyOf(link.world, link.toPlane(weighs)).weight : 0;
 	const cd::StepReport made = solve(weighs, settings);
 	link.finishStep(step, settings.dt);
 	moved = true;
@@ -288,7 +298,7 @@ void ContactDynamics::advance()
 	const double deepestBefore = deepestPenetration, dashpotsBefore = dashpotEnergy, dampedBefore = dampedEnergy;
 	report(made, settings, takesOver);
 	if (tracks) {
-		const Energy after = energyOf(link.world, weighs);
+		const Energy after = energyOf(link.world, link.toPlane(weighs));
 		track(after.kinetic, after.weight - height, made.dissipated);
 		if (link.world.compliant())
 			trackSprings(storedEnergy, dashpotEnergy - dashpotsBefore, dampedEnergy - dampedBefore);
@@ -310,7 +320,7 @@ void ContactDynamics::repeatIdleStep(const Vector3r& weighs)
 		noteUnrest({});
 	}
 	if (scene_trackEnergy(scene))
-		track(energyOf(link.world, weighs).kinetic, 0, 0);
+		track(energyOf(link.world, link.toPlane(weighs)).kinetic, 0, 0);
 	show();
 }
 

@@ -27,6 +27,9 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void checkLoaded() const;
 	void assigned(const std::string& attribute);
 
+	// Whether its contacts have a stiffness.
+	bool isCompliant() const { return !stiffnessSettings().rigid(); }
+
 	void action() override;
 	// Throws SceneError if it cannot work with the other engines, before one of them runs.
 	void checkEngines();
@@ -41,6 +44,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	cd::StepSettings<cd::Plane> settings(yade::Scene*) const;
 	StiffnessSettings stiffnessSettings() const;
 	double leastTolerance() const;
+	PairValues pairValues() const;
+	PairValues readPairValues() const;
 	void recallRest();
 	void show();
 	void takeOver();

@@ -49,6 +49,7 @@ py::tuple ContactDynamics::nextProblem()
 	SceneLink copy;
 	copy.stiffness = stiffnessSettings();
 	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
+	copy.setValues(readPairValues());
 	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
 	if (handover && copy.world.compliant())
 		copy.forgetOverlaps();
