@@ -53,6 +53,8 @@ def _plugin():
         print(f"cd_engine: nobody has tested it with YADE {config.version}, but every check of the binary interface has passed. "
               f"Tested with {_tested()}.", file=sys.stderr)
     from yade import wrapper
+    for engine in ENGINES:
+        engine_methods.complete(getattr(wrapper, engine))
     wrapper.ContactDynamics.summary, wrapper.ContactDynamics.exportProblem = engine_methods.summary, engine_methods.exportProblem
     atexit.register(_report)
     run_hooks.install(module)

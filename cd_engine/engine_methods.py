@@ -1,4 +1,4 @@
-"""What the engines do in Python: functions of ContactDynamics, installed once its class is there, and the refusal of misspelt names."""
+"""What the engines do in Python: functions of their classes, installed once these are there, and the refusal of misspelt names."""
 import difflib
 import sys
 import threading
@@ -71,6 +71,24 @@ def runs_besides():
     """Return whether a run in the background changes the scene meanwhile. Code that an engine of the run calls blocks the run, so it is safe."""
     from yade import O
     return O.running and not in_a_run()
+
+
+def complete(engine):
+    """Let a class of the plug-in's engines list its attributes in its documentation, refuse misspelt names, and make copies that have the settings
+    and made no step."""
+    own = {name: value for name, value in vars(engine).items() if isinstance(value, property) and not name.startswith("_")}
+    settings, results = [name for name in own if own[name].fset], [name for name in own if not own[name].fset]
+
+    def set_attribute(self, name, value):
+        if type(self) is engine:  # a class derived in Python may have attributes of its own
+            check_name(engine, name)  # Python would keep a misspelt name as an attribute that nothing reads
+        object.__setattr__(self, name, value)
+
+    def set_state(self, state):
+        self.updateAttrs({name: value for name, value in state.items() if name not in results})
+
+    engine.__doc__ += f"\n\nTo set: {', '.join(settings)}" + (f"\n\nTo read after a step: {', '.join(results)}" if results else "")
+    engine.__setattr__, engine.__setstate__ = set_attribute, set_state
 
 
 def check_name(engine, name):

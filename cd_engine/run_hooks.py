@@ -25,7 +25,6 @@ def install(plugin):
         return checks.setdefault(O.thisScene, _EngineCheck(O, plugin))
 
     def check():
-        O.stopAtIter = plugin.former_stop(O.stopAtIter)
         of_this_scene()()
 
     def run(self, nSteps=-1, wait=False):
@@ -43,9 +42,7 @@ def install(plugin):
                 originals["step"](self)
         finally:
             plugin.settle()
-            error = plugin.take_error()  # YADE itself raises it but for that of stopUnsolved
-        if error:
-            raise RuntimeError(error)
+            plugin.take_error()  # YADE itself raises it
 
     def wait(self):
         waited(originals["wait"], self)
@@ -60,9 +57,8 @@ def install(plugin):
                 original(self, *arguments)
         finally:
             plugin.wait_ends()
-            self.stopAtIter = plugin.former_stop(self.stopAtIter)
             error = plugin.take_error()
-        if error:  # the run had ended before YADE began to wait, or has ended by stopUnsolved; then YADE raises nothing
+        if error:  # the run had ended before YADE began to wait, which then raises nothing
             raise RuntimeError(error)
 
     def pause(self):

@@ -92,14 +92,14 @@ void endOnSignal()
 		throw py::error_already_set();
 }
 
-// (iterations, factorizations, residual, residual_max, status, contact, solved_by, seconds, looks) of a solution. looks: of a
+// (iterations, factorizations, residual, residual_max, status, contact, solved_by, seconds, evaluations) of a solution. evaluations: of a
 // trace, two numbers each.
 template <class System, class Solver>
 py::tuple solved(System& system, Solver* solver, const std::string& method, cd::SolverSettings settings, bool traced)
 {
 	cd::Trace trace;
 	trace.records = traced;
-	trace.atLook = endOnSignal;
+	trace.interrupt = endOnSignal;
 	settings.trace = &trace;
 	cd::SolverReport report;
 	double seconds = 0;
@@ -109,13 +109,13 @@ py::tuple solved(System& system, Solver* solver, const std::string& method, cd::
 		report = solver(system, settings);
 		seconds = processorTime() - begin;
 	}
-	py::list looks;
-	for (const cd::Trace::Look& look : trace.looks) {
-		looks.append(look.iterations);
-		looks.append(look.error);
+	py::list evaluations;
+	for (const cd::Trace::Evaluation& one : trace.evaluations) {
+		evaluations.append(one.iterations);
+		evaluations.append(one.error);
 	}
 	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status), report.contact,
-	    cd::solvedBy(method, report), seconds, looks);
+	    cd::solvedBy(method, report), seconds, evaluations);
 }
 
 // Returns the impulses, and what `solved` does. threads: for bodies, of which there are seven arrays.

@@ -126,8 +126,8 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
         if method != "auto" or report.converged or fixed_iterations > 0 or left <= 0 or problem.contacts > MOST_IN_MATRIX:
             return report
         rest = solve(problem.delassus(), method, tolerance, left, report.impulses, seed=seed, trace=trace)
-        looks = np.vstack([report.trace, rest.trace + [report.iterations, 0]]) if trace else None
-        return replace(rest, iterations=rest.iterations + report.iterations, seconds=rest.seconds + report.seconds, trace=looks)
+        evaluations = np.vstack([report.trace, rest.trace + [report.iterations, 0]]) if trace else None
+        return replace(rest, iterations=rest.iterations + report.iterations, seconds=rest.seconds + report.seconds, trace=evaluations)
     arrays = _arrays(problem)
     size = problem.dimension * len(arrays[-1])
     p = np.zeros(size) if impulses is None else vector("impulses", impulses, size)
@@ -149,12 +149,12 @@ def _solve_spheres(spheres, problem, method, tolerance, max_iterations, impulses
 
 
 def _report(problem, p, found, tolerance, trace):
-    iterations, factorizations, e, worst, status, contact, solved_by, seconds, looks = found
+    iterations, factorizations, e, worst, status, contact, solved_by, seconds, evaluations = found
     converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
     contact = contact if contact >= 0 and not converged else None
     bodies = tuple(map(int, problem.pairs[contact])) if not isinstance(problem, Problem) and contact is not None else None
-    looks = np.array(looks, float).reshape(-1, 2) if trace else None
-    return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds, looks)
+    evaluations = np.array(evaluations, float).reshape(-1, 2) if trace else None
+    return Report(p, iterations, factorizations, e, worst, converged, status, contact, bodies, solved_by, seconds, evaluations)
 
 
 def residual(problem, impulses):

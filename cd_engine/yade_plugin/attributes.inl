@@ -24,9 +24,12 @@ CD_ATTRIBUTE(double, restitution, 0, within(0, 1),
     "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. If an island of contacts with friction would "
     "gain energy, the engine lowers the coefficient there for this step; if the step has no solution with it, it takes 0 there.")
 CD_ATTRIBUTE(double, gapCorrection, 0, within(0, 1),
-    "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step pushes out [1]; 0: overlaps are only kept from growing. "
-    "The bodies keep the velocity by which the overlap is removed; the energy that this adds is subtracted from *dissipatedEnergy*. With few "
-    "*fixedIterations* it needs *warmStart* False: impulses that add up from step to step overshoot.")
+    "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step removes [1]; 0: overlaps are only kept from growing. It moves "
+    "the bodies, after the step, and gives them no velocity (a split impulse). A pile that grows by this gains potential energy.")
+CD_ATTRIBUTE(bool, gapVelocity, false, setting,
+    "Let *gapCorrection* act on the velocities, which the bodies keep, as in studies of contact dynamics with few *fixedIterations* (Unger and "
+    "Kertesz 2002). The energy that this adds is subtracted from *dissipatedEnergy*. It needs *warmStart* False: impulses that add up from step to "
+    "step overshoot.")
 CD_ATTRIBUTE(double, allowedOverlap, 1e-3, within(0, 1),
     "Overlap that *gapCorrection* leaves, as a share of the smaller disk's radius [1]. With 0, a packing never comes to rest: the "
     "corrections of its contacts contradict each other and keep it moving.")
@@ -48,9 +51,6 @@ CD_ATTRIBUTE(std::string, publish, "due", setting,
     "O.wait()) before any other engine that is due looks at them, and when the run ends; in a run that nobody waits for, after every step. "
     "always: after every step. "
     "The motion is the same to the last bit. What Python threads of one's own see meanwhile may be as old as the last such moment.")
-CD_ATTRIBUTE(bool, stopUnsolved, false, setting,
-    "End the run, with an error that names the step, at a step that is not solved; the step has then been made. False: the engine warns of "
-    "the first such step and the run goes on.")
 CD_ATTRIBUTE(int, threads, 0, within(0, 1024),
     "Threads that share the work of a step [1]; 0: as many as YADE has (-j, OMP_NUM_THREADS). The motion is the same to the last bit with "
     "any number. Only steps with thousands of bodies and contacts use more than one.")
@@ -63,7 +63,7 @@ CD_ATTRIBUTE(double, residualMax, 0, result, "The same for the worst contact, ov
 CD_ATTRIBUTE(double, bodyError, 0, result,
     "Estimated largest error of a body's velocity change in the last step, relative to what acts on the body: the impulses of its contacts "
     "and the external one [1]. In packings, where some disks always carry hardly any load, it is relative to a mean over the island, "
-    "weighted by mass (cd_engine/core/residual.hpp has the formula).")
+    "weighted by mass (cd_engine/core/error/residual.hpp has the formula).")
 CD_ATTRIBUTE(int, worstBody, -1, result, "Id of the body whose velocity may have the largest error; -1: none.")
 CD_ATTRIBUTE(std::vector<int>, unsolvableContact, {}, result,
     "Ids of the two bodies whose contact is the strongest sign that there is no solution, if *status* is no_solution or a doubt remains. "

@@ -166,7 +166,7 @@ cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene* of) const
 	cd::StepSettings<cd::Plane> s;
 	s.dt = scene_dt(of);
 	s.restitution = restitution;
-	s.gapCorrection = gapCorrection;
+	(gapVelocity ? s.gapCorrection : s.overlapCorrection) = gapCorrection;
 	s.allowedOverlap = allowedOverlap;
 	s.warmStart = warmStart && !unbounded; // impulses that have grown without a bound hold nothing
 	s.iteration = scene_iter(of);
@@ -339,8 +339,8 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 bool ContactDynamics::sleepGoesOn(const cd::StepSettings<cd::Plane>& now) const
 {
 	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
-	    && now.allowedOverlap == last.allowedOverlap && now.restTolerance == last.restTolerance && now.reduce && now.solver.fixedIterations == 0
-	    && now.solver.seed == 0 && warmStart && !handover;
+	    && now.overlapCorrection == last.overlapCorrection && now.allowedOverlap == last.allowedOverlap && now.restTolerance == last.restTolerance
+	    && now.reduce && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart && !handover;
 }
 
 } // namespace cd_engine

@@ -52,14 +52,13 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	bool sleepGoesOn(const cd::StepSettings<cd::Plane>&) const;
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength }, attributesLock }; }
 	bool checksOrder() const { return steps % 64 == 0; }
-	std::string unsolved() const;
+	template <class... Facts> std::string words(const char* function, const Facts&...);
 	void warnBeforeStep(double dt);
 	void warnOfLostBody();
 	void warnOfSpeed(double dt);
 	void warnOfShortStep(double dt);
 	void warnOfUnsolved();
-	void warnOfPenetration(double before, bool takesOver) const;
-	std::string remedyForPenetration(const cd::Pair&, double grown, double smallest, bool takesOver) const;
+	void warnOfPenetration(double before, bool takesOver);
 
 	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.
 	SceneLink link;

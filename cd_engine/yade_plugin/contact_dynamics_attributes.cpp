@@ -2,6 +2,7 @@
 #include "contact_dynamics.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace cd_engine {
 
@@ -32,20 +33,18 @@ void ContactDynamics::assigned(const std::string& attribute)
 // Checks loaded lists that steps use unchecked. bodyOrder is not checked: it is only a hint, and is made anew if it is invalid.
 void ContactDynamics::checkLoaded() const
 {
-	const std::string damaged = "ContactDynamics: the file is damaged: ";
-	const std::string remedy = " Load another one, or empty both lists in it, which makes the overlaps present now count as such";
 	const std::size_t pairs = referenceOverlaps.size();
-	if (referenceIds.size() != 2 * pairs)
-		throw SceneError(
-		    text(damaged, "it has ", referenceIds.size(), " referenceIds for ", pairs, " referenceOverlaps, not two for each.", remedy));
-	for (std::size_t i = 0; i < pairs; i++) {
+	bool valid = referenceIds.size() == 2 * pairs;
+	for (std::size_t i = 0; valid && i < pairs; i++) {
 		const int *const now = &referenceIds[2 * i], *const before = i > 0 ? now - 2 : nullptr;
-		const std::string pair = text("of bodies #", now[0], " and #", now[1]);
-		if (now[0] < 0 || now[0] >= now[1] || (before && !(std::make_pair(before[0], before[1]) < std::make_pair(now[0], now[1]))))
-			throw SceneError(damaged + "the referenceIds " + pair + " are negative or not in order, the smaller first." + remedy);
-		if (!(referenceOverlaps[i] > 0 && std::isfinite(referenceOverlaps[i])))
-			throw SceneError(damaged + "the referenceOverlaps " + pair + " are " + std::to_string(referenceOverlaps[i]) + " m." + remedy);
+		valid = 0 <= now[0] && now[0] < now[1] && (!before || std::tie(before[0], before[1]) < std::tie(now[0], now[1]))
+		    && std::isfinite(referenceOverlaps[i]) && referenceOverlaps[i] > 0;
 	}
+	if (!valid)
+		throw SceneError(
+		    "ContactDynamics: the file is damaged: referenceIds must hold the ids of two bodies for each of the referenceOverlaps, the "
+		    "smaller first, in ascending order, and each overlap must be a positive number. Load another one, or empty both lists in "
+		    "it, which makes the overlaps present now count as such");
 }
 
 std::string ContactDynamics::wordFault(const char* attribute, const std::string& value)

@@ -13,31 +13,27 @@ namespace {
 		for (void (*const registerEngine)() : registrations)
 			registerEngine();
 		defineNames();
-		py::def("layout", establishLayout, py::arg("claims") = py::dict(),
-		    "Every member of YADE's classes the plug-in relies on, with its confirmed offset in bytes, by the check made on import. With "
-		    "false claims {member: offset or type name}: ImportError where one is found out.");
+		// Every member of YADE's classes that the plug-in relies on, with its confirmed offset, by the check made above; for tests.
+		py::def("layout", establishLayout, py::arg("claims") = py::dict());
+		py::def("check_engines", &ContactDynamics::checkEngines); // RuntimeError if it cannot work with others in O.engines; between runs
+		py::def("next_problem", &ContactDynamics::nextProblem);
+		py::def("settle", ContactDynamics::settleLatest);
 		py::def(
-		    "wait_begins", +[] { waiting++; }, "Somebody waits for the run to end and does not look at the scene meanwhile.");
-		const auto waitEnds = +[] {
-			waiting--;
-			ContactDynamics::settleLatest();
-		};
-		py::def("wait_ends", waitEnds, "The end of that: the scene is up to date.");
+		    "take_error", +[] { return exchangeError(""); });
 		const auto runBegins = +[] {
 			paused = false;
 			exchangeError("");
 		};
-		py::def("run_begins", runBegins, "A run begins or goes on.");
-		py::def("check_engines", &ContactDynamics::checkEngines,
-		    "RuntimeError if this engine cannot work with others in O.engines. For use between runs.");
+		py::def("run_begins", runBegins); // or goes on
 		py::def(
-		    "pause_begins", +[] { paused = true; },
-		    "Another thread has paused the run and looks at the scene: until the next run begins, it has to see the last step.");
-		py::def("former_stop", formerStop, "O.stopAtIter as it was before stopUnsolved ended a run, given the present one.");
-		py::def("next_problem", &ContactDynamics::nextProblem, "What exportProblem writes.");
-		py::def("settle", ContactDynamics::settleLatest, "Bring the scene up to date.");
+		    "pause_begins", +[] { paused = true; }); // by another thread, which has to see the last step until the next run begins
 		py::def(
-		    "take_error", +[] { return exchangeError(""); }, "The error that has ended the last run, if nobody has taken it; else empty.");
+		    "wait_begins", +[] { waiting++; }); // somebody waits for the end of the run, and does not look at the scene meanwhile
+		const auto waitEnds = +[] {
+			waiting--;
+			ContactDynamics::settleLatest();
+		};
+		py::def("wait_ends", waitEnds);
 	}
 
 } // namespace

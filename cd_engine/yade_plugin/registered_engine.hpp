@@ -72,7 +72,7 @@ template <> inline constexpr TypeName typeName<std::vector<double>> { "vector<Re
 
 // An engine E : RegisteredEngine<E> has
 //   name            of the class in YADE
-//   documentation   of the class
+//   documentation   of the class; Python adds the names of the attributes (engine_methods.py)
 //   attributes(v)   calls v(name, member, Access, documentation) for every attribute, in the order in which a user reads them. Keyword
 //                   arguments, .dict(), saving, properties and documentation are all made from this list
 //   wordFault(attribute, value)   only if it has attributes of type string that can be set: what is wrong with the value, as fault() says it
@@ -215,17 +215,6 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		return py::object(arguments[0]).attr("__init__")(engine);
 	}
 
-	// What copy and pickle call on a new engine. It takes over the settings, and has not made any step.
-	static void setState(E& engine, py::dict state)
-	{
-		py::dict settings = state.copy();
-		E::attributes([&](const char* name, auto, const Access& access, const char*) {
-			if (access.kind == Access::read && settings.has_key(name))
-				settings[name].del();
-		});
-		engine.update(settings);
-	}
-
 	void update(const py::dict& attributes)
 	{
 		py::dict ordered; // as the engine names its attributes: one may set another
@@ -238,41 +227,12 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		this->callPostLoad();
 	}
 
-	// Refuses a misspelt name with the right one. YADE would say only that there is no such attribute.
-	static void checkName(const py::object& type, const std::string& name)
-	{
-		py::import("cd_engine.engine_methods").attr("check_name")(type, name);
-	}
-
-	static py::object pythonClass() { return py::import("yade.wrapper").attr(E::name); }
-
-	// engine.name = value. Python would keep a misspelt name as an attribute of its own, which nothing reads.
-	static void setAttribute(const py::object& python, const std::string& name, const py::object& value)
-	{
-		const py::object type = pythonClass();
-		if (python.attr("__class__") == type) // a class derived in Python may have attributes of its own
-			checkName(type, name);
-		py::import("builtins").attr("object").attr("__setattr__")(python, name, value);
-	}
-
 	// Documentation of an attribute in the form YADE's inspector and manual read.
 	template <class T> static std::string attributeText(const T& initial, const Access& access, const char* text)
 	{
 		const std::string value = py::extract<std::string>(py::str(py::object(initial))), words = access.words();
 		return text + (words.empty() ? "" : " Must be " + words + ".") + " :ydefault:`" + value + "` :yattrtype:`" + typeName<T>.yade
 		    + "` :yattrflags:`" + (access.kind == Access::read ? "2" : "0") + "` ";
-	}
-
-	// Documentation of the class: what it is, then the names of its settings and of its results. help() itself lists them alphabetically.
-	static std::string classText()
-	{
-		std::string settings, results;
-		E::attributes([&](const char* name, auto, const Access& access, const char*) {
-			std::string& names = access.kind == Access::set ? settings : results;
-			if (access.kind != Access::remember)
-				names += (names.empty() ? "" : ", ") + std::string(name);
-		});
-		return std::string(E::documentation) + "\n\nTo set: " + settings + (results.empty() ? "" : "\n\nTo read after a step: " + results);
 	}
 };
 
@@ -281,7 +241,8 @@ template <class E> void RegisteredEngine<E>::pySetAttr(const std::string& key, c
 {
 	if (setOwn(key, value))
 		return;
-	checkName(pythonClass(), key);
+	// Refuses a misspelt name with the right one. YADE would say only that there is no such attribute.
+	py::import("cd_engine.engine_methods").attr("check_name")(py::object(py::import("yade.wrapper").attr(E::name)), key);
 	GlobalEngine::pySetAttr(key, value);
 }
 
@@ -303,11 +264,9 @@ template <class E> void RegisteredEngine<E>::pyRegisterClass(py::object scope)
 	const py::scope inside(scope);
 	py::docstring_options options;
 	options.disable_signatures();
-	py::class_<E, Shared<E>, py::bases<yade::GlobalEngine>, boost::noncopyable> cls(E::name, classText().c_str());
+	py::class_<E, Shared<E>, py::bases<yade::GlobalEngine>, boost::noncopyable> cls(E::name, E::documentation);
 	cls.def("__init__", py::raw_function(construct, 1));
 	cls.def("__init__", py::make_constructor(+[](const Shared<E>& e) { return e; }));
-	cls.def("__setattr__", setAttribute);
-	cls.def("__setstate__", setState);
 	E::attributes([&](const char* name, auto member, const Access& access, const char* text) {
 		using T = std::decay_t<decltype(self().*member)>;
 		const py::object getter = py::make_function(

@@ -34,6 +34,26 @@ TEST_CASE("solutions satisfy the laws, contact by contact")
 			}
 }
 
+TEST_CASE("a first guess is swept once if a contact has an impulse that its own law would take, however small")
+{
+	// A disk rests on a floor, and parts from a wall that still pushes it with a ten millionth of its weight; or it touches a wall that does not.
+	for (const Solver<Plane> method : std::initializer_list<Solver<Plane>> { nsgs, accelerated, automatic })
+		for (const double speed : { 1e-3, 0. }) {
+			ContactSystem<Plane> s;
+			s.bodies = { BodyVelocity<Plane> {}, disk(1, speed, -1) };
+			s.contacts.push_back(contact(0, 1, 0, 1, 0));
+			s.contacts.push_back(contact(0, 1, 1, 0, 0));
+			s.assembleBlocks();
+			s.contacts[0].pn = 1;
+			s.contacts[1].pn = speed > 0 ? 1e-7 : 0;
+			const SolverReport r = method(s, to(1e-6));
+			CHECK(r.status == Status::converged);
+			CHECK(r.iterations == (speed > 0));
+			CHECK(s.contacts[1].pn == 0);
+			CHECK(s.bodies[1].v[0] == doctest::Approx(speed).epsilon(1e-12));
+		}
+}
+
 TEST_CASE("one contact is solved in one sweep, with any arms")
 {
 	for (unsigned seed = 1; seed <= 50; seed++) {

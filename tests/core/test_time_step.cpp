@@ -24,15 +24,21 @@ World twoDisks(double overlap, double speed)
 	return w;
 }
 
-StepReport step(World& w, double gapCorrection, double restitution = 0, double allowedOverlap = 0)
+StepSettings<Plane> settings()
 {
 	StepSettings<Plane> s;
 	s.dt = h;
+	s.solve = findSolver("nsgs");
+	s.solver.tolerance = 1e-13;
+	return s;
+}
+
+StepReport step(World& w, double gapCorrection, double restitution = 0, double allowedOverlap = 0)
+{
+	StepSettings<Plane> s = settings();
 	s.restitution = restitution;
 	s.gapCorrection = gapCorrection;
 	s.allowedOverlap = allowedOverlap;
-	s.solve = findSolver("nsgs");
-	s.solver.tolerance = 1e-13;
 	TimeStep<Plane> t;
 	t.sleepers.update(w);
 	return t(w, s);
@@ -77,6 +83,31 @@ TEST_CASE("a reference overlap is not pushed out")
 	w.pairs[0].reference = 1e-4;
 	step(w, 1);
 	CHECK(std::abs(separation(w)) < 1e-12); // 3e-17 m of round-off in the overlap, over h
+}
+
+TEST_CASE("overlapCorrection moves bodies by their masses and gives them no velocity")
+{
+	const double overlap = 1e-4, allowed = 2e-4;
+	for (const double share : { 0.1, 1. })
+		for (const double reference : { 0., overlap }) {
+			CAPTURE(share);
+			World w = twoDisks(overlap, 0);
+			w.bodies[1].inverseMass[0] = 3;
+			w.pairs[0].reference = reference;
+			const World before = w;
+			StepSettings<Plane> s = settings();
+			s.overlapCorrection = share;
+			s.allowedOverlap = allowed;
+			TimeStep<Plane> t;
+			t.sleepers.update(w);
+			const StepReport report = t(w, s);
+			const double moved = reference > 0 ? 0 : share * (overlap - allowed * radius);
+			CHECK(w.bodies[0].x - before.bodies[0].x == doctest::Approx(-moved / 4).epsilon(1e-10));
+			CHECK(w.bodies[1].x - before.bodies[1].x == doctest::Approx(3 * moved / 4).epsilon(1e-10));
+			CHECK(separation(w) == 0);
+			CHECK(report.dissipated == 0);
+			CHECK(report.idle == false);
+		}
 }
 
 TEST_CASE("gapCorrection changes no bit where nothing overlaps")

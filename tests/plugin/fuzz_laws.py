@@ -24,7 +24,6 @@ SLACK = 10         # error of a contact, over what the tolerance allows its two 
 # solved is off by all of what acts, 1/tolerance times as much as is allowed a single contact.
 SLACK_WHOLE = 3000
 ONLY_SLIDING = 1e-9  # distance from the cone at which "sliding" begins
-NOT_PUSHED = 1e-9    # overlap over the smaller radius that gapCorrection takes for round-off
 VANISHES = 1e-100  # in SI units; numbers that decay to zero lose their digits, so an error below this counts as none
 TOO_DEEP = "#.* overlap by|is behind Wall #"  # in the message that refuses overlaps too deep to be taken over
 UNSURE = object()  # stands for an exact solution that round-off has spoilt
@@ -98,7 +97,8 @@ class Watch:
         self._read_contacts()
         self._cone()
         self._momentum(cd)
-        self._motion()
+        if cd.gapCorrection == 0:
+            self._motion()
         self.hold("maxPenetration tells of the deepest overlap", max(0, self.deepest - cd.maxPenetration), 64 * EPS * self.extent,
                   lambda _: "overlap")
         if cd.converged and cd.restitution == 0:
@@ -131,8 +131,7 @@ class Watch:
         self.gap = self.gap + self.reference
         self.extent = np.abs(self.mid[:, :2]).max() + p.size.max()
         self.least = np.where(p.kind[a] == DISK, np.minimum(p.radius[a], p.radius[b]), p.radius[b])
-        beyond = np.where(self.gap < -max(cd.allowedOverlap, NOT_PUSHED) * self.least, self.gap + cd.allowedOverlap * self.least, 0)
-        self.bias = np.where(self.gap > 0, self.gap, cd.gapCorrection * beyond) / p.dt
+        self.bias = np.maximum(self.gap, 0) / p.dt
         self.rows = fuzz_geometry.rows(p, self.normal, self.point, self.mid, a, b)
         self.inverse = np.stack([p.w[a], p.w[b]], axis=1)  # (pair, side, freedom)
         self.wn, self.wt = ((row ** 2 * self.inverse).sum(axis=(1, 2)) for row in self.rows)

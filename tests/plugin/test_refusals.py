@@ -159,3 +159,18 @@ def test_overlaps_that_springs_cannot_have_left_are_refused(O, distance):
     plane.disk((distance, 0), 0.1)
     with pytest.raises(RuntimeError, match="#0 and #1 overlap"):
         step(O)
+
+
+def test_the_error_of_a_run_that_has_ended_is_told_to_who_waits(O, pair):
+    """YADE itself says nothing if the run has ended before somebody waits."""
+    O.engines = cd_engine.engines()
+    O.bodies[1].state.vel = (NAN, 0, 0)
+    O.run(5)
+    while O.running:
+        pass
+    with pytest.raises(RuntimeError, match="not a number"):
+        O.wait()
+    O.wait()
+    with pytest.raises(RuntimeError, match="not a number"):
+        O.step()
+    O.wait()

@@ -30,10 +30,10 @@ def said_by(O, capfd, steps=3):
 
 
 def test_settings_that_make_energy_together(O, capfd):
-    plane.disk_on_a_floor(restitution=0.1, gapCorrection=0.1)
+    plane.disk_on_a_floor(restitution=0.1, gapCorrection=0.1, gapVelocity=True)
     line, = said_by(O, capfd)
-    assert "restitution and gapCorrection together create energy" in line and "Set one of them to 0" in line
-    O.engines[-1].gapCorrection = 0
+    assert "restitution and gapCorrection with gapVelocity create energy" in line and "Set gapVelocity=False" in line
+    O.engines[-1].gapVelocity = False
     assert said_by(O, capfd) == []
 
 

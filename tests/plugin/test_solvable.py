@@ -35,52 +35,6 @@ def test_a_disk_pressed_between_boundaries_has_no_solution(O, capfd, method, tol
     assert said.count("are squeezed or wedged, and no solution was found") == 1
 
 
-def test_a_run_may_be_ended_by_it(O):
-    """stopUnsolved ends the run at the unsolved step, which is made and counted, by all engines and by the clock. The run can continue when the press
-    has gone."""
-    engine = press(O, speed=0)
-    engine.stopUnsolved = True
-    O.run(5, True)
-    O.bodies[2].state.vel = (0, -0.1, 0)
-    lid = O.bodies[2].state.pos[1]
-    with pytest.raises(RuntimeError, match=r"step 6 is not solved \(no_solution .* bodies #\d and #\d .*stopUnsolved"):
-        O.run(5, True)
-    assert engine.unconvergedSteps == 1 and engine.steps == O.iter == 7 and O.time == pytest.approx(7 * O.dt)
-    assert O.bodies[2].state.pos[1] == pytest.approx(lid - 0.1 * O.dt, abs=1e-15)
-    O.bodies[2].state.vel = (0, 0.1, 0)
-    O.run(5, True)
-    assert engine.converged and engine.unconvergedSteps == 1
-
-
-@pytest.mark.parametrize("wait", [True, False], ids=["waited", "background"])
-def test_what_it_leaves_after_that_run(O, wait):
-    """O.stopAtIter as somebody has set it, and a collider that springs or YADE's tools can use."""
-    engine = press(O, speed=0.1)
-    engine.stopUnsolved = True
-    O.stopAtIter = 100
-    with pytest.raises(RuntimeError, match="stopUnsolved"):
-        O.run(-1, True) if wait else (O.run(), [None for _ in iter(lambda: O.running, False)], O.wait())
-    assert O.stopAtIter == 100 and O.iter < 100 and not O.engines[1].dead
-    engine.stopUnsolved = False
-    O.run(-1, True)
-    assert O.iter == 100
-
-
-def test_the_error_of_a_run_that_has_ended_is_told_to_who_waits(O):
-    """YADE itself says nothing if the run has ended before somebody waits."""
-    engine = press(O, speed=0.1)
-    engine.stopUnsolved = True
-    O.run(5)
-    while O.running:
-        pass
-    with pytest.raises(RuntimeError, match="stopUnsolved"):
-        O.wait()
-    O.wait()
-    with pytest.raises(RuntimeError, match="stopUnsolved"):
-        O.step()
-    O.wait()
-
-
 @pytest.mark.parametrize("method", ["nsgs", "accelerated", "newton", "auto"])
 @pytest.mark.parametrize("share", [1e-1, 1e-2, 1e-4])
 def test_nor_where_the_boundary_is_slow_beside_gravity(O, method, share):

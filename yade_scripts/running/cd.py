@@ -21,7 +21,8 @@ def set_engines(full, scene, goals=None):
     """
     _forget_dashpots()
     settings = {attribute: full[name] for attribute, name in SETTINGS.items()}
-    reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), **settings)
+    # With few sweeps overlaps must cause impulses, or they cause no forces.
+    reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), gapVelocity=full["fixed_iterations"] > 0, **settings)
     engine.label = "contact_dynamics"  # its name at the console
     engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING), reset, collider]
     if goals is not None:

@@ -63,6 +63,7 @@ void ResidualSum::add(const ResidualSum& other)
 	square += other.square;
 	differenceEnergy += other.differenceEnergy;
 	squareEnergy += other.squareEnergy;
+	stale += other.stale;
 	worst = atLeast(worst, other.worst);
 	missed += other.missed;
 	mostMissed = atLeast(mostMissed, other.mostMissed);
@@ -115,6 +116,7 @@ Residual residual(const ResidualSum* islands, std::size_t count)
 		r.norm = r.energy = r.maximum = all.difference == 0 ? 0 : std::numeric_limits<double>::infinity();
 		return r;
 	}
+	r.stale = all.stale > 0;
 	r.norm = std::sqrt(all.difference / all.square);
 	r.work = all.squareEnergy;
 	r.energy = std::sqrt(all.differenceEnergy / all.squareEnergy);

@@ -41,6 +41,7 @@ struct Residual {
 	double difference = 0, impulse = 0; // the norms whose ratio is e: ||p - P_K(...)||_2 and ||p||_2 [N s]
 	double work = 0; // sum of W_nn |p|^2 over the contacts [J]
 	double bodies = 0; // the error of the bodies, the largest of all islands
+	bool stale = false; // whether a contact has an impulse of which its own law would take half or more
 	int32_t body = -1; // the body with the smallest s, in the island with the largest error; -1: none
 
 	double law() const { return norm < energy ? energy : norm; } // of the contacts
@@ -52,6 +53,7 @@ struct ResidualSum {
 	std::size_t contacts = 0;
 	double difference = 0, square = 0; // |p - P_K(...)|^2 and |p|^2 [N^2 s^2]
 	double differenceEnergy = 0, squareEnergy = 0; // the same, every contact weighted by its W_nn [J]
+	double stale = 0; // |p|^2 of contacts whose own law would take half of p or more [N^2 s^2]
 	double worst = 0; // largest |p - P_K(...)|^2 of a contact [N^2 s^2]
 	double missed = 0, mostMissed = 0; // g^2: sum and largest [m^2/s^2]
 	double missedUnderHeavy = 0; // largest g^2 of the contacts of bodies that touch one ten times heavier [m^2/s^2]

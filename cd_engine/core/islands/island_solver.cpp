@@ -122,8 +122,9 @@ SolverReport IslandSolver<Space>::solveInPlace(ContactSystem& system, Solver met
 	SolverReport report;
 	if (rest && rest->withoutSweep && surelySolvable(system, settings.threads)) {
 		system.contacts.make();
-		report.measure(residual(system, freeVelocity));
-		if (report.error <= settings.tolerance) {
+		const Residual guess = residual(system, freeVelocity);
+		report.measure(guess);
+		if (report.error <= settings.tolerance && !guess.stale) {
 			for (const ContactRow<Space>& c : system.contacts)
 				addImpulse(system, c);
 			return report;
@@ -138,12 +139,12 @@ SolverReport IslandSolver<Space>::solveInPlace(ContactSystem& system, Solver met
 	return report;
 }
 
-// Marks the islands whose sums show that they are solved now. Returns how many.
-template <class Space> int IslandSolver<Space>::markSolved(double tolerance)
+// Marks the islands whose sums show that they are solved now. Returns how many. guess: by the first guess (Iteration::begin).
+template <class Space> int IslandSolver<Space>::markSolved(double tolerance, bool guess)
 {
 	int solved = 0;
 	for (std::size_t k = 0; k < islands.size(); k++)
-		if (islands[k].state == State::open && sums[k].of().error() <= tolerance) {
+		if (islands[k].state == State::open && sums[k].of().error() <= tolerance && !(guess && sums[k].stale > 0)) {
 			islands[k].state = State::solved;
 			solved++;
 		}
@@ -172,7 +173,7 @@ template <class Space> SolverReport IslandSolver<Space>::solveInParts(ContactSys
 	const bool solvable
 	    = surelySolvable(system, settings.threads); // else a small error is not enough: the method must find that there is a solution
 	if (solvable)
-		markSolved(settings.tolerance);
+		markSolved(settings.tolerance, true);
 	Status status = Status::converged;
 	SolverSettings left = settings; // iterations that all parts together may still take
 	for (;;) {
@@ -199,7 +200,7 @@ template <class Space> SolverReport IslandSolver<Space>::solveInParts(ContactSys
 			continue;
 		}
 		status = report.status;
-		if (markSolved(settings.tolerance) == 0)
+		if (markSolved(settings.tolerance, false) == 0)
 			return end(status == Status::converged ? Status::stagnated : status);
 	}
 }

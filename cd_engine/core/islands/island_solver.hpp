@@ -60,7 +60,7 @@ template <class Space> class IslandSolver {
 	SolverReport solveInPlace(ContactSystem&, Solver, const SolverSettings&, Rest*);
 	bool withinItsOwn(const ContactSystem&, double error, double tolerance) const;
 	SolverReport solveInParts(ContactSystem&, Solver, const SolverSettings&);
-	int markSolved(double tolerance);
+	int markSolved(double tolerance, bool guess);
 	SolverReport conclude(ContactSystem&, SolverReport, double tolerance, const Stillness*);
 
 	// island_sleep.cpp

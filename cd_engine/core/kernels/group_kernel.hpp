@@ -16,7 +16,7 @@ struct alignas(64) LaneSums {
 // How far the contacts miss the contact law, summed lane by lane: members of ResidualSum.
 struct alignas(64) LaneMisses {
 	double difference[lanes], square[lanes], differenceEnergy[lanes], squareEnergy[lanes];
-	double missed[lanes], worst[lanes], mostMissed[lanes];
+	double missed[lanes], worst[lanes], mostMissed[lanes], stale[lanes];
 };
 
 // Eight pairs.

@@ -240,9 +240,9 @@ static void miss(const cd::Group<Space>* groups, std::size_t count, const cd::Pa
 			    = missOf<Vector>(squaredMiss(p, u, frictionOf(g, lane), wnn), wnn, sizeOf(c, bias, motionOf(A), motionOf(B)), A.w + B.w);
 			const auto of = [lane](double* sum) -> Vector& { return *reinterpret_cast<Vector*>(sum + lane); };
 			struct {
-				Vector &difference, &square, &differenceEnergy, &squareEnergy, &missed, &worst, &mostMissed;
+				Vector &difference, &square, &differenceEnergy, &squareEnergy, &missed, &worst, &mostMissed, &stale;
 			} here { of(sums.difference), of(sums.square), of(sums.differenceEnergy), of(sums.squareEnergy), of(sums.missed),
-				of(sums.worst), of(sums.mostMissed) };
+				of(sums.worst), of(sums.mostMissed), of(sums.stale) };
 			addTo<decltype(here), Vector>(here, miss, dot(p, p), wnn.value);
 			if (each) {
 				store(each[k].difference + lane, miss.difference);

@@ -153,7 +153,7 @@ template <class N, class W> LAW Miss<N> missOf(const N& square, const W& wnn, co
 		atLeast<N>(least * least, square <= known * known ? none : square * value(wnn) * value(wnn)) };
 }
 
-// Adds a contact to the sums that make the error (ResidualSum). square: |p|^2.
+// Adds a contact to the sums that make the error (ResidualSum). square: |p|^2. An impulse of which the law would take half or more is stale.
 template <class Sums, class N> LAW void addTo(Sums& sums, const Miss<N>& miss, const N& square, const N& wnn)
 {
 	sums.difference += miss.difference;
@@ -163,6 +163,7 @@ template <class Sums, class N> LAW void addTo(Sums& sums, const Miss<N>& miss, c
 	sums.missed += miss.velocity;
 	sums.worst = atLeast(sums.worst, miss.difference);
 	sums.mostMissed = atLeast(sums.mostMissed, miss.velocity);
+	sums.stale += 4 * miss.difference >= square ? square : N {};
 }
 
 // Finds p such that u = w p + q obeys the law, with a full 2 x 2 block. Tries in this order: open, sticking, sliding either way. If

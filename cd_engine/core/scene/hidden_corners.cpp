@@ -29,7 +29,7 @@ void HiddenCorners::list(const World& world)
 	    near.begin(), near.end(), [](const Near& a, const Near& b) { return a.disk != b.disk ? a.disk < b.disk : a.boundary < b.boundary; });
 }
 
-bool HiddenCorners::hide(const World& world, const std::vector<Place>& places, const Pair& pair, double dt) const
+bool HiddenCorners::isHidden(const World& world, const std::vector<Place>& places, const Pair& pair, double dt) const
 {
 	const Place &box = places[pair.a], &disk = places[pair.b];
 	if (!isBoundary(box) || !isGuided(world.bodyOf(pair.a)) || !isBeyondCorner(world.shapes[pair.a], box, disk))

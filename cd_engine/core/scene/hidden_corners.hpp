@@ -17,7 +17,7 @@ class HiddenCorners {
 	void list(const World&);
 	// Whether the corner of box pair.a that is nearest to disk pair.b is hidden during a step dt [s]. False over a face. places: of the bodies,
 	// half a step ahead; the contact law holds at those a whole step later.
-	bool hide(const World&, const std::vector<Place>& places, const Pair&, double dt) const;
+	bool isHidden(const World&, const std::vector<Place>& places, const Pair&, double dt) const;
 
     private:
 	struct Near {

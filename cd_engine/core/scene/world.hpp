@@ -25,7 +25,7 @@ template <class Space> struct WorldOf {
 	// Of each shape [m]: the list of pairs holds every two whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
 	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists
-	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::look fills it before every step
+	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::update fills it before every step
 
 	// The body that a shape moves with. In the plane each body has one shape, of its own number.
 	const Body& bodyOf(std::size_t shape) const { return bodies[shape]; }

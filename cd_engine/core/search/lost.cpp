@@ -48,13 +48,11 @@ namespace {
 	// Whether a Wall, which has no end, lies where the force on a body leads, or its velocity if there is none.
 	bool comesToWall(const World& world, const Body& b)
 	{
-		const bool pulled = b.force[0] != 0 || b.force[1] != 0;
+		const double* const leads = b.force[0] != 0 || b.force[1] != 0 ? b.force : b.v;
 		for (std::size_t i = 0; i < world.shapes.size(); i++) {
-			if (world.shapes[i].kind != ShapeKind::wall || world.masks[i] == 0)
-				continue;
 			const int k = world.shapes[i].axis;
 			const double way = k == 0 ? world.bodyOf(i).x - b.x : world.bodyOf(i).y - b.y;
-			if (way * (pulled ? b.force[k] : b.v[k]) > 0)
+			if (world.shapes[i].kind == ShapeKind::wall && world.masks[i] != 0 && way * leads[k] > 0)
 				return true;
 		}
 		return false;

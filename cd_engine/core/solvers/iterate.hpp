@@ -46,9 +46,15 @@ template <class S> class Iteration {
 		return conclude();
 	}
 
+	// A first guess with a stale impulse is none, however small the impulse: the next steps would begin with it again, and what errors of one
+	// sign give to a body grows from step to step.
 	void begin()
 	{
-		evaluate();
+		if (evaluate().stale && solved() && settings.maxIterations > 0) {
+			sweep();
+			report.iterations++;
+			evaluate(1);
+		}
 		reached = error;
 		if (!solved())
 			keep();
@@ -157,7 +163,7 @@ template <class S> class Iteration {
 		return true;
 	}
 
-	void evaluate(int more = 0) // sweeps since the last time
+	Residual evaluate(int more = 0) // sweeps since the last time
 	{
 		const Residual e = sweep.error();
 		report.measure(e);
@@ -167,8 +173,9 @@ template <class S> class Iteration {
 		distance = impulse > 0 ? e.law() * impulse : e.difference;
 		if (settings.trace) {
 			settings.trace->add(more);
-			settings.trace->look(error);
+			settings.trace->evaluated(error);
 		}
+		return e;
 	}
 
 	S& sweep;

@@ -135,7 +135,7 @@ namespace {
 			if (!trace)
 				return;
 			trace->add(problem.steps() - traced);
-			trace->look(error);
+			trace->evaluated(error);
 			traced = problem.steps();
 		}
 

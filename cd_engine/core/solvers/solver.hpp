@@ -16,22 +16,22 @@ class Threads;
 
 // The evaluations of the error while a problem is solved, in their order, by whatever methods and from whatever starts.
 struct Trace {
-	struct Look {
+	struct Evaluation {
 		int iterations; // made until then, of all methods
 		double error; // compared with the tolerance
 	};
-	std::vector<Look> looks;
+	std::vector<Evaluation> evaluations;
 	int made = 0; // iterations so far
 	bool records = true;
-	void (*atLook)() = nullptr; // called at each; what it throws ends the solution
+	void (*interrupt)() = nullptr; // called at each evaluation; what it throws ends the solution
 
 	void add(int iterations) { made += iterations; }
-	void look(double error)
+	void evaluated(double error)
 	{
 		if (records)
-			looks.push_back({ made, error });
-		if (atLook)
-			atLook();
+			evaluations.push_back({ made, error });
+		if (interrupt)
+			interrupt();
 	}
 };
 

@@ -99,7 +99,7 @@ ContactFinder<Plane>::Examined ContactFinder<Plane>::examine(
 		found.gap = pair.reference > 0 && touch.overlap <= 0 ? -touch.overlap : pair.reference - touch.overlap;
 	}
 	found.contact = (beyond <= 0 || mayClose(step, pair, found.gap)) && (step.settings.restitution == 0 || closes(step, pair, found.gap));
-	if (found.contact && corners.hide(step.world, step.motion.places(), pair, step.dt())) {
+	if (found.contact && corners.isHidden(step.world, step.motion.places(), pair, step.dt())) {
 		found.gap = endless;
 		found.contact = false;
 	}
@@ -226,7 +226,7 @@ bool ContactFinder<Plane>::fastEnough(const StepView<Plane>& step, std::size_t i
 	if (way > quick * step.dt() * (means[pair.a].speed + means[pair.b].speed)) // true for most pairs
 		return false;
 	return way <= quick * step.dt() * step.relativeSpeed(pair, step.bodies[pair.a].v, step.bodies[pair.b].v)
-	    && !corners.hide(step.world, step.motion.places(), pair, step.dt());
+	    && !corners.isHidden(step.world, step.motion.places(), pair, step.dt());
 }
 
 // Whether the solution lets a pair that was left out cross its gap within the step.

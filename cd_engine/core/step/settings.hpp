@@ -12,8 +12,9 @@ namespace cd {
 template <class Space> struct StepSettings {
 	double dt = 0; // [s]
 	double restitution = 0; // Newton's e, normal direction
-	double gapCorrection = 0; // share of an overlap, beyond the reference and the allowed one, that the step pushes out
-	double allowedOverlap = 0; // that it leaves, as a share of the smaller disk's radius
+	double overlapCorrection = 0; // share of an overlap, beyond the reference and the allowed one, that the step removes (overlap_correction.hpp)
+	double gapCorrection = 0; // the same, by a velocity that stays
+	double allowedOverlap = 0; // that both leave, as a share of the smaller disk's radius
 	int threads = 1; // threads that share the work of a large scene; the bits do not depend on their number
 	bool warmStart = true; // the first guess are the forces that contacts have carried; else nothing
 	long iteration = 0; // number of the step, recorded where a contact becomes loaded

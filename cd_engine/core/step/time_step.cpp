@@ -129,11 +129,14 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 		account.clear(sleepers);
 		if (settings.reduce)
 			solveIslands.putToSleep(sleepers, world);
-		if (!sleepers.none() || !system.contacts.solvedBeside())
+		const bool corrects = OverlapCorrection<Space>::isDue(world, settings, finder);
+		if (corrects || !sleepers.none() || !system.contacts.solvedBeside())
 			system.contacts.make();
 		account.book(world, step, finder, builder, system.contacts, sleepers, report);
 		rest.plan(report.effort);
 		report.idle = !motion.finish(world, settings.dt, system.bodies, threads) && finder.pairs().empty();
+		if (corrects && correction(world, step, finder, system.contacts.all()))
+			report.idle = false;
 	}
 	system.contacts.forgetSource(); // `step` may be gone when somebody reads them
 	return report;

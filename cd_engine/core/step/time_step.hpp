@@ -2,6 +2,7 @@
 #pragma once
 
 #include "step/account.hpp"
+#include "step/overlap_correction.hpp"
 
 namespace cd {
 
@@ -20,9 +21,9 @@ template <class Space> class TimeStep {
 	// - Gaps: contact is required at the mid-configurations, which are a step apart. So u_n + max(gap, 0)/h >= 0 keeps the next one from
 	//   overlapping, to first order: the gap may close within the step, but not become negative. If the face of a box turns, the change of the
 	//   gap by this is added, so that it meets disks like one that only translates.
-	// - Overlaps are kept from growing. With gapCorrection b > 0 they must shrink, u_n + b (gap + a)/h >= 0 (b = 1: to the allowed overlap a
-	//   within the step), by a velocity that stays and is not dissipated. In a packing at rest such velocities contradict each other; the
-	//   allowed overlap prevents them from moving the packing for ever.
+	// - Overlaps are kept from growing; overlapCorrection moves bodies apart after the step. With gapCorrection b > 0 they must shrink,
+	//   u_n + b (gap + a)/h >= 0 (b = 1: to the allowed overlap a within the step), by a velocity that stays and is not dissipated. In a packing
+	//   at rest such velocities contradict each other; the allowed overlap prevents them from moving the packing for ever.
 	// - Only velocities just set from outside, or left by an unsolved step, can move the centre of a disk into or through a boundary in a step's
 	//   first half, before contact is looked for. Such a disk stops at the face.
 	// - Restitution e > 0: a contact that is closed, or that the velocities before the step would close within it, takes u_n' >= -e u_n instead,
@@ -80,6 +81,7 @@ template <class Space> class TimeStep {
 	ProblemBuilder<Space> builder;
 	IslandSolver<Space> solveIslands;
 	Account account;
+	OverlapCorrection<Space> correction;
 };
 
 } // namespace cd

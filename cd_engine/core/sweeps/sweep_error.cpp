@@ -20,6 +20,7 @@ namespace {
 			one.missed = all.missed[lane];
 			one.worst = all.worst[lane];
 			one.mostMissed = all.mostMissed[lane];
+			one.stale = all.stale[lane];
 			sum.add(one);
 		}
 		sum.contacts = contacts;

@@ -39,7 +39,9 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 	      "(R1+R2)/d T at the arms R1 and R2, d the distance of their centres. O.forces then holds this instead of the functor's force. "
 	      "A contact seen for the first time takes over the functor's shear force, so a packing made with the usual law goes on from its forces. "
 	      "For Law2_ScGeom_FrictPhys_CundallStrack and Law2_ScGeom_FrictViscoPhys_CundallStrackVisco and for spheres in one plane of constant z. "
-	      "Contacts with walls and boxes keep the functor's force. O.dt may change between steps only where nothing turns.";
+	      "Contacts with walls and boxes keep the functor's force; the slip on them is counted, too. O.dt may change between steps only where "
+	      "nothing "
+	      "turns.";
 
 	// Left by the last step.
 	int contacts = 0;
@@ -56,9 +58,9 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 		using C = PathIndependentShear;
 		visit("contacts", &C::contacts, result, "Contacts between two disks that the last step has dealt with [1].");
 		visit("slidingContacts", &C::slidingContacts, result, "Of these, the ones that slipped at the Coulomb limit in the last step [1].");
-		visit(
-		    "frictionDissipation", &C::frictionDissipation, setting, "Energy dissipated by the slips of these contacts since the start [J].");
-		visit("pairIds", &C::pairIds, internal, "Ids of the bodies of these contacts, two a contact; the memory of the springs.");
+		visit("frictionDissipation", &C::frictionDissipation, setting,
+		    "Energy dissipated by slip since the start, on walls and boxes, too [J].");
+		visit("pairIds", &C::pairIds, internal, "Ids of the bodies of all contacts, two a contact; the memory of the springs.");
 		visit("pairNormals", &C::pairNormals, internal, "Their normals in the last step, from the first body to the second: x and y [1].");
 		visit("pairForces", &C::pairForces, internal, "Their spring's forces on the second body along the normal turned by +90 degrees [N].");
 		visit("lastStep", &C::lastStep, internal, "O.iter of the last step; after a pause of this engine the memory starts anew.");
@@ -74,8 +76,22 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 		bool touched = false;
 	};
 
+	// A contact of linear springs in the plane.
+	struct Spring {
+		void *geom, *phys;
+		int id1, id2;
+		const Vector3r& n;
+		double force; // the functor's S [N]
+		double limit; // mu |R_n| [N]
+		std::size_t known; // its place in the memory; at its end: made in this step, or not known
+	};
+
 	void readBodies();
+	bool isDisk(int id) const { return id < static_cast<int>(disks.size()) && disks[id].exists; }
 	bool exchange(yade::Interaction*);
+	void countSlip(const Spring&, bool isNew);
+	bool clip(double& force, const Spring&);
+	void remember(const Spring&, double force);
 	std::size_t recall(int id1, int id2);
 
 	std::vector<Disk> disks; // at their bodies' ids
@@ -125,6 +141,34 @@ std::size_t PathIndependentShear::recall(int id1, int id2)
 	return *place;
 }
 
+// Takes a trial force back to the limit and counts the energy of the slip. Returns whether it slips.
+bool PathIndependentShear::clip(double& force, const Spring& c)
+{
+	if (!(std::abs(force) > c.limit))
+		return false;
+	frictionDissipation += c.limit * (std::abs(force) - c.limit) / phys_ks(c.phys);
+	force = std::copysign(c.limit, force);
+	return true;
+}
+
+void PathIndependentShear::remember(const Spring& c, double force)
+{
+	newIds.insert(newIds.end(), { c.id1, c.id2 });
+	newNormals.insert(newNormals.end(), { c.n[0], c.n[1] });
+	newForces.push_back(force);
+}
+
+// The slip of a disk on something else. The law functor has taken its trial force, S - k_s (shearInc . t), back to the limit.
+void PathIndependentShear::countSlip(const Spring& c, bool isNew)
+{
+	const Vector3r& moved = geom_shearInc(c.geom);
+	if (isNew || c.known < pairForces.size()) {
+		double trial = (isNew ? 0 : pairForces[c.known]) - phys_ks(c.phys) * (c.n[0] * moved[1] - c.n[1] * moved[0]);
+		clip(trial, c);
+	}
+	remember(c, c.force);
+}
+
 // Replaces the shear force of one contact; false where there is none between two disks.
 bool PathIndependentShear::exchange(yade::Interaction* interaction)
 {
@@ -133,52 +177,49 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 	if (!geom || !phys)
 		return false;
 	const int id1 = interaction_id1(interaction), id2 = interaction_id2(interaction);
-	const int count = static_cast<int>(disks.size());
-	if (id1 >= count || id2 >= count || !disks[id1].exists || !disks[id2].exists)
+	const bool ofDisks = isDisk(id1) && isDisk(id2), linear = isScGeom(geom) && linearSprings(phys);
+	if (!ofDisks && !linear)
 		return false;
-	if (!isScGeom(geom) || !linearSprings(phys))
+	if (!linear)
 		refuse(pairName(id1, id2) + " has " + className(geom) + " and " + className(phys),
 		    "It needs ScGeom with FrictPhys (Law2_ScGeom_FrictPhys_CundallStrack) or FrictViscoPhys "
 		    "(Law2_ScGeom_FrictViscoPhys_CundallStrackVisco)");
 	const Vector3r& n = geom_normal(geom);
-	if (n[2] != 0)
+	if (n[2] != 0 && ofDisks)
 		refuse(pairName(id1, id2) + " has a normal out of the plane", "Put all disks at one z");
+
+	Vector3r& shear = phys_shearForce(phys);
+	const Vector3r old = shear;
+	// A contact made in this step is new, even if the same pair had one in the step before. (O.resetTime() may leave iterMadeReal in the future.)
+	const bool isNew = interaction_iterMadeReal(interaction) == scene_iter(scene);
+	const Spring c { geom, phys, id1, id2, n, n[0] * old[1] - n[1] * old[0], phys_tangensOfFrictionAngle(phys) * phys_normalForce(phys).norm(),
+		isNew ? pairForces.size() : recall(id1, id2) };
+	if (!ofDisks) {
+		if (n[2] == 0)
+			countSlip(c, isNew);
+		return false;
+	}
 
 	const double r1 = geom_refR1(geom), r2 = geom_refR2(geom);
 	const double overlap = geom_penetrationDepth(geom);
-	Vector3r& shear = phys_shearForce(phys);
-	const Vector3r old = shear;
-	const double oldForce = n[0] * old[1] - n[1] * old[0];
-
-	double force = oldForce; // a spring not known from the step before begins with what the law functor has found
-	// A contact made in this step is new, even if the same pair had one in the step before. (O.resetTime() may leave iterMadeReal in the future.)
-	const std::size_t known = recall(id1, id2);
-	const bool isNew = interaction_iterMadeReal(interaction) == scene_iter(scene);
-	if (known < pairForces.size() && !isNew) {
-		const double mx = pairNormals[2 * known], my = pairNormals[2 * known + 1];
+	double force = c.force; // a spring not known from the step before begins with what the law functor has found
+	if (c.known < pairForces.size()) {
+		const double mx = pairNormals[2 * c.known], my = pairNormals[2 * c.known + 1];
 		const double theta = std::atan2(mx * n[1] - my * n[0], mx * n[0] + my * n[1]);
 		const double stretch = (r1 + r2) * theta - r1 * disks[id1].turn - r2 * disks[id2].turn;
-		force = pairForces[known] - phys_ks(phys) * stretch;
+		force = pairForces[c.known] - phys_ks(phys) * stretch;
 	}
-	const double limit = phys_tangensOfFrictionAngle(phys) * phys_normalForce(phys).norm();
-	if (std::abs(force) > limit) {
-		frictionDissipation += limit * (std::abs(force) - limit) / phys_ks(phys);
-		force = std::copysign(limit, force);
-		slidingContacts += limit > 0; // without friction there is no limit to reach
-	}
+	slidingContacts += clip(force, c) && c.limit > 0; // without friction there is no limit to reach
+	remember(c, force);
 
 	shear = Vector3r(-n[1] * force, n[0] * force, 0);
-	newIds.insert(newIds.end(), { id1, id2 });
-	newNormals.insert(newNormals.end(), { n[0], n[1] });
-	newForces.push_back(force);
-
 	const double alpha = (r1 + r2) / (r1 + r2 - overlap);
 	const Vector3r added(alpha * shear[0] - old[0], alpha * shear[1] - old[1], 0);
 	Disk &one = disks[id1], &two = disks[id2];
 	one.force -= added;
 	two.force += added;
-	one.torque[2] -= r1 * force - (r1 - overlap / 2) * oldForce;
-	two.torque[2] -= r2 * force - (r2 - overlap / 2) * oldForce;
+	one.torque[2] -= r1 * force - (r1 - overlap / 2) * c.force;
+	two.torque[2] -= r2 * force - (r2 - overlap / 2) * c.force;
 	one.touched = two.touched = true;
 	return true;
 }
