@@ -68,7 +68,7 @@ namespace {
 			const double error = std::isfinite(e.impulse) ? e.error() : std::numeric_limits<double>::infinity();
 			if (settings.trace) {
 				settings.trace->add(problem.steps() - before);
-				settings.trace->look(error);
+				settings.trace->evaluated(error);
 			}
 			if (error < bestError) {
 				bestError = error;
