@@ -7,8 +7,9 @@ Inside YADE (a script, a batch job, the console):
 
 `ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Two further engines are
 for the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums
-the energy that their dashpots dissipate. Import this module before `O.load` of a scene that contains one of the three. `watch` is for both methods:
-an engine that ends a run which is no longer physical. `picture` and `film` draw planar scenes of both.
+the energy that their dashpots dissipate. `PlateLoads` loads the plates around a sample, for both methods. Import this module before `O.load` of a
+scene that contains one of the four. `watch` is for both methods, too: an engine that ends a run which is no longer physical. `picture` and `film`
+draw planar scenes of both.
 """
 import atexit
 import importlib
@@ -19,7 +20,7 @@ from .pictures import film, picture
 from .proposed_step import timeStep
 from .watching import Unstable, watch
 
-ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear")
+ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear", "PlateLoads")
 __all__ = [*ENGINES, "TESTED", "Unstable", "engines", "film", "methods", "picture", "release", "timeStep", "watch"]
 
 FLOW_TOLERANCE = 1e-4  # for single bodies in a flow; means need less, a packing at rest needs more

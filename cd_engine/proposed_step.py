@@ -34,7 +34,8 @@ def timeStep(gravity=None, speed=None, share=None):
     """
     from yade import O
     if share is None:
-        share = BOUNCING if any(getattr(engine, "restitution", 0) > 0 and not engine.dead for engine in O.engines) else SHARE
+        bounces = any((getattr(engine, "restitution", 0) > 0 or getattr(engine, "en", None)) and not engine.dead for engine in O.engines)
+        share = BOUNCING if bounces else SHARE
     if not (_is_finite(share) and share > 0):
         raise ValueError(f"timeStep: share={share!r} is out of range: it must be a number above 0")
     if speed is not None and not (_is_finite(speed) and speed >= 0):
@@ -50,11 +51,12 @@ def timeStep(gravity=None, speed=None, share=None):
         g = math.nan
     if not math.isfinite(g):
         raise ValueError(f"timeStep: gravity={gravity!r} is not a vector of three finite numbers, such as (0, -9.81, 0)")
-    if z:
-        raise ValueError(f"timeStep: gravity={tuple(gravity)} m/s^2 points out of the x-y plane, in which the scene lies. Set its z component to 0")
-    movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not {"x", "y"} <= set(body.state.blockedDOFs)]
+    movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not set("xyz") <= set(body.state.blockedDOFs)]
     if not movable:
         raise ValueError("timeStep: no disk in the scene can move. Append the disks first")
+    if any(part and all(axis in body.state.blockedDOFs for body in movable) for axis, part in zip("xyz", (x, y, z))):
+        raise ValueError(f"timeStep: gravity={tuple(gravity)} m/s^2 points along an axis along which no disk can move. Let it point in the plane of "
+                         "the scene")
     radius = min(body.shape.radius for body in movable)
     pressed = _pressed(O) if speed is None else 0
     if speed is None:
@@ -75,7 +77,7 @@ def _pressed(O):
     """Return the largest acceleration [m/s^2] that a permanent force gives a body in a direction in which it is free."""
     def pressed(body):
         force = O.forces.permF(body.id)
-        size = math.hypot(*(force[k] for k in (0, 1) if "xy"[k] not in body.state.blockedDOFs))
+        size = math.hypot(*(force[k] for k in range(3) if "xyz"[k] not in body.state.blockedDOFs))
         if not math.isfinite(size):
             raise ValueError(f"timeStep: the permanent force {tuple(force)} N on body #{body.id} is not finite")
         return size / body.state.mass if body.state.mass > 0 else 0

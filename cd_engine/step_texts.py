@@ -28,9 +28,9 @@ def unsolved(engine, step):
                     f"or take a smaller O.dt.{doubt}")
 
 
-def lost(engine, step, body, x, y, speed):
+def lost(engine, step, body, place, speed):
     """Return that a body has left the scene, which it does not come back to."""
-    return (f"ContactDynamics: step {step}: body #{body} has left the scene: it is at ({x:g}, {y:g}) m, at {speed:g} m/s. Erase it "
+    return (f"ContactDynamics: step {step}: body #{body} has left the scene: it is at {place}, at {speed:g} m/s. Erase it "
             f"(O.bodies.erase({body})) or give the scene a boundary that holds it. Further bodies that leave are not reported.")
 
 

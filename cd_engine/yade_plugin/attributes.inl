@@ -1,5 +1,5 @@
 // The attributes of ContactDynamics, as a user reads them and a scene saves them: type, name, value at first, Access, documentation.
-CD_ATTRIBUTE(Vector3r, gravity, Vector3r::Zero(), setting, "Acceleration acting on every free body [m/s^2], in the plane (x, y).")
+CD_ATTRIBUTE(Vector3r, gravity, Vector3r::Zero(), setting, "Acceleration acting on every free body [m/s^2], in the plane of the scene.")
 CD_ATTRIBUTE(double, tolerance, 1e-6, Access { Access::set, 0, 1, true },
     "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
     "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "
@@ -23,6 +23,13 @@ CD_ATTRIBUTE(bool, warmStart, true, setting, "Take the contact forces present in
 CD_ATTRIBUTE(double, restitution, 0, within(0, 1),
     "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. If an island of contacts with friction would "
     "gain energy, the engine lowers the coefficient there for this step; if the step has no solution with it, it takes 0 there.")
+CD_ATTRIBUTE(Matches, en, {}, setting,
+    "Coefficient of normal restitution by pair of materials [1], as a MatchMaker of ids in O.materials, like en of Ip2_FrictMat_FrictMat_MindlinPhys: "
+    "MatchMaker(matches=((0, 1, 0.8), (1, 1, 0.3))). A pair that matches nothing has *restitution*, unless the algo of the MatchMaker is val or zero. "
+    "A number holds for all pairs. None: *restitution* for all.")
+CD_ATTRIBUTE(Matches, frictAngle, {}, setting,
+    "Friction angle by pair of materials [rad], as frictAngle of Ip2_FrictMat_FrictMat_FrictPhys: a MatchMaker of ids in O.materials, whose algo (min, "
+    "max, avg, harmAvg, val) holds for pairs that match nothing. A number holds for all pairs. None: the smaller angle of the two.")
 CD_ATTRIBUTE(double, gapCorrection, 0, within(0, 1),
     "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step removes [1]; 0: overlaps are only kept from growing. It moves "
     "the bodies, after the step, and gives them no velocity (a split impulse). A pile that grows by this gains potential energy.")

@@ -165,7 +165,7 @@ cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene* of) const
 	const std::lock_guard<std::mutex> lock(attributesLock);
 	cd::StepSettings<cd::Plane> s;
 	s.dt = scene_dt(of);
-	s.restitution = restitution;
+	s.restitution = en.given() ? pairValues().largestRestitution() : restitution;
 	(gapVelocity ? s.gapCorrection : s.overlapCorrection) = gapCorrection;
 	s.allowedOverlap = allowedOverlap;
 	s.warmStart = warmStart && !unbounded; // impulses that have grown without a bound hold nothing
@@ -178,6 +178,14 @@ cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene* of) const
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
 		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
 	return s;
+}
+
+PairValues ContactDynamics::pairValues() const { return { en, frictAngle, restitution }; }
+
+PairValues ContactDynamics::readPairValues() const
+{
+	const std::lock_guard<std::mutex> lock(attributesLock);
+	return pairValues();
 }
 
 // Gives the step what is saved of rest.
@@ -219,6 +227,8 @@ void ContactDynamics::advance()
 		return repeatIdleStep(weighs);
 	others.check(this, scene, weighs != Vector3r::Zero());
 	const cd::StepSettings<cd::Plane> settings = this->settings(scene);
+	if (link.setValues(readPairValues()))
+		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	if (!sleepGoesOn(settings))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	last = settings;
@@ -231,13 +241,13 @@ void ContactDynamics::advance()
 	warnBeforeStep(settings.dt);
 
 	const bool tracks = scene_trackEnergy(scene);
-	const double height = tracks ? energyOf(link.world, weighs).weight : 0;
+	const double height = tracks ? energyOf(link.world, link.toPlane(weighs)).weight : 0;
 	const cd::StepReport made = solve(weighs, settings);
 	link.finishStep(step, settings.dt);
 	moved = true;
 	idle = made.idle;
 	if (tracks) {
-		const Energy after = energyOf(link.world, weighs);
+		const Energy after = energyOf(link.world, link.toPlane(weighs));
 		track(after.kinetic, after.weight - height, made.dissipated);
 	}
 	const double deepestBefore = deepestPenetration;
@@ -259,7 +269,7 @@ void ContactDynamics::repeatIdleStep(const Vector3r& weighs)
 		noteUnrest({});
 	}
 	if (scene_trackEnergy(scene))
-		track(energyOf(link.world, weighs).kinetic, 0, 0);
+		track(energyOf(link.world, link.toPlane(weighs)).kinetic, 0, 0);
 	show();
 }
 

@@ -39,6 +39,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	double nextTolerance() const;
 	void noteUnrest(const cd::StepReport&);
 	cd::StepSettings<cd::Plane> settings(yade::Scene*) const;
+	PairValues pairValues() const;
+	PairValues readPairValues() const;
 	void recallRest();
 	void show();
 	void takeOver();

@@ -37,7 +37,7 @@ void SceneLink::warnOfUnheldBoundaries(double dt)
 		const cd::Body& a = world.bodies[mover];
 		if (world.masks[mover] == 0)
 			continue;
-		const bool pulled = a.inverseMass[0] * gravity[0] != 0 || a.inverseMass[1] * gravity[1] != 0;
+		const bool pulled = a.inverseMass[0] * pull[0] != 0 || a.inverseMass[1] * pull[1] != 0;
 		held = held || !pulled; // a fixed disk holds the scene, too
 		if (!isBoundary(a) || (a.inverseMass[0] == 0 && a.inverseMass[1] == 0))
 			continue;
@@ -59,7 +59,7 @@ void SceneLink::warnOfUnheldBoundaries(double dt)
 			const bool crosses = overlap[k] == cd::endless || (world.shapes[mover].kind == cd::ShapeKind::wall && overlap[k] > margin);
 			if (crosses || overlap[k] < -margin || a.inverseMass[k] == 0 || !(overlap[1 - k] > 0))
 				continue;
-			const bool falls = way[k] * gravity[k] > 0, comes = overlap[k] < 0 && (way[k] * a.v[k] > 0 || way[k] * a.force[k] > 0);
+			const bool falls = way[k] * pull[k] > 0, comes = overlap[k] < 0 && (way[k] * a.v[k] > 0 || way[k] * a.force[k] > 0);
 			const auto [first, second] = std::minmax(mover, other); // having passed through each other they meet again
 			if ((falls || comes) && warned.insert(text("boundaries ", first, " ", second)).second)
 				warnOnce(text("body #", mover, " is a boundary that ", falls ? "gravity" : "its velocity or a force",
@@ -186,7 +186,8 @@ cd::Carried SceneLink::readForce(std::size_t index, bool turned)
 	if (known.phys != phys)
 		known.phys = phys;
 	const Vector3r &n = geom_normal(geom), &fn = phys_normalForce(phys), &ft = phys_shearForce(phys);
-	return { n[0], n[1], { fn[0], fn[1] }, { ft[0], ft[1] }, -1 };
+	const int x = plane.x, y = plane.y;
+	return { n[x], n[y], { fn[x], fn[y] }, { ft[x], ft[y] }, -1 };
 }
 
 // Reads the present force of every contact: three dependent look-ups in different memory lines, each prefetched before the next. A force that
@@ -224,8 +225,54 @@ bool SceneLink::readForces(cd::Sleepers<cd::Plane>* sleepers)
 	return true;
 }
 
+void PairValues::check() const
+{
+	en.each([](double e) {
+		if (!(e >= 0 && e <= 1))
+			throw SceneError(text("ContactDynamics: en has the value ", e, ". Give coefficients of restitution from 0 to 1"));
+	});
+	frictAngle.each([](double angle) {
+		if (!(angle >= 0 && angle < 1.5707963267948966 && std::tan(angle) <= 1e6))
+			throw SceneError(
+			    text("ContactDynamics: frictAngle has the value ", angle, " rad. Give math.atan(mu) with a mu from 0 to 1e6"));
+	});
+}
+
+double PairValues::largestRestitution() const
+{
+	double largest = en.algo == "zero" || en.algo == "val" ? 0 : restitution;
+	en.each([&](double e) { largest = std::max(largest, e); });
+	return largest;
+}
+
+bool SceneLink::setValues(const PairValues& now)
+{
+	now.check();
+	newValues = newValues || !(now == values);
+	values = now;
+	return newValues;
+}
+
+void SceneLink::setRestitution()
+{
+	world.restitutions.resize(values.en.given() ? world.pairs.size() : 0);
+	for (std::size_t i = 0; i < world.restitutions.size(); i++)
+		world.restitutions[i]
+		    = values.en.of(bodies[world.pairs[i].a].material, bodies[world.pairs[i].b].material, values.restitution, values.restitution);
+}
+
+void SceneLink::setPairFriction()
+{
+	for (cd::Pair& pair : world.pairs) {
+		const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
+		pair.mu = std::tan(values.frictAngle.of(a.material, b.material, a.frictionAngle, b.frictionAngle));
+	}
+}
+
 void SceneLink::setFriction(cd::Threads& threads)
 {
+	if (values.frictAngle.given())
+		return setPairFriction();
 	cd::forRanges(&threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t k = from; k < to; k++) {
 			cd::Pair& pair = world.pairs[world.awake[k]];
@@ -247,6 +294,10 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	if (read) {
 		gravity = g;
 		gatherBodies(scene);
+	} else if (!driven.empty()) {
+		scene_forces(scene).sync();
+		for (const int id : driven)
+			readMotion(id, world.bodies[id], scene_forces(scene));
 	}
 	bool reordered;
 	{
@@ -262,8 +313,11 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	}
 	gatherPairs(scene, memory, read, searched, reordered, step.sleepers);
 	gone.clear();
-	if (read || searched)
+	if (read || searched || newValues) {
 		setFriction(step.threads);
+		setRestitution();
+	}
+	newValues = false;
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)

@@ -66,6 +66,7 @@ inline Member<Vector3r> state_vel { "State", "vel" }, state_angVel { "State", "a
 inline Member<double> state_mass { "State", "mass" };
 inline Member<unsigned> state_blockedDOFs { "State", "blockedDOFs", 304 };
 
+inline Member<int> material_id { "Material", "id" };
 inline Member<double> sphere_radius { "Sphere", "radius" }, frictMat_frictionAngle { "FrictMat", "frictionAngle" };
 inline Member<Vector3r> box_extents { "Box", "extents" };
 inline Member<int> wall_sense { "Wall", "sense" }, wall_axis { "Wall", "axis" };

@@ -10,6 +10,7 @@ namespace {
 	void fill()
 	{
 		establishLayout();
+		Matches::registerConverters();
 		for (void (*const registerEngine)() : registrations)
 			registerEngine();
 		defineNames();

@@ -1,5 +1,6 @@
 #include "other_engines.hpp"
 #include "kind.hpp"
+#include "plate_loads.hpp"
 #include "scene_error.hpp"
 #include "waiting.hpp"
 
@@ -10,11 +11,18 @@ namespace cd_engine {
 namespace {
 
 	Kind isPeriodic { "PeriodicEngine" };
-	enum class Does { nothing, drives, moves, pushes, conflicts }; // drives: only sets velocities, by the positions of its bodies
+	enum class Does {
+		nothing,
+		drives,
+		loads,
+		moves,
+		pushes,
+		conflicts
+	}; // drives: only sets velocities, by the positions of its bodies; loads: also forces
 
 	const std::string remove = ". Remove it or set its dead=True";
 	const std::string servo = " moves walls until springs carry their loads; rigid bodies have no springs" + remove
-	    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by O.forces.setPermF";
+	    + ", free the walls in the directions of their loads (state.blockedDOFs, state.mass) and load them by cd_engine.PlateLoads";
 
 	// What YADE's engines do to a scene, by the first of these classes that is theirs or a base of theirs. No engine says whether it writes to
 	// interactions, and those that do overwrite the forces of rigid contacts. So an engine of any other class conflicts.
@@ -34,6 +42,7 @@ namespace {
 		{ Does::conflicts, { "BoundaryController", "ServoPIDController" }, servo },
 		{ Does::moves, { "HelixEngine" } },
 		{ Does::drives, { "RotationEngine", "TranslationEngine", "HarmonicMotionEngine" } },
+		{ Does::loads, { PlateLoads::name } },
 		{ Does::moves, { "KinematicEngine", "CombinedKinematicEngine" } },
 		{ Does::pushes,
 		    { "ForceEngine", "HarmonicForceEngine", "TorqueEngine", "RadialForceEngine", "FieldApplier", "DragEngine", "LinearDragEngine",
@@ -51,6 +60,11 @@ namespace {
 		return *std::find_if(std::begin(known), std::end(known) - 1, [&](const Known& of) {
 			return std::any_of(of.classes.begin(), of.classes.end(), [&](const char* base) { return isA(name, base); });
 		});
+	}
+
+	const std::vector<int>* drivenBy(yade::Engine* engine, Does does)
+	{
+		return does == Does::drives ? &partial_ids(engine) : does == Does::loads ? &static_cast<PlateLoads*>(engine)->moved() : nullptr;
 	}
 
 	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics. reset: a
@@ -119,7 +133,7 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	for (const auto& engine : engines) {
 		const std::string name = engine->getClassName();
 		const Known& of = find(name);
-		Other other { engine.get(), engine->dead, engine.get() == self || engine == found, before, of.does == Does::drives };
+		Other other { engine.get(), engine->dead, engine.get() == self || engine == found, before, drivenBy(engine.get(), of.does) };
 		needed = needed || isA(name, "SpheresFactory");
 		if (engine.get() == self) {
 			if (!std::exchange(before, false))
@@ -188,7 +202,7 @@ const std::vector<int>& OtherEngines::drivenBodies()
 	driven.clear();
 	for (const Other& other : others)
 		if (other.drives && !other.dead)
-			driven.insert(driven.end(), partial_ids(other.engine).begin(), partial_ids(other.engine).end());
+			driven.insert(driven.end(), other.drives->begin(), other.drives->end());
 	return driven;
 }
 

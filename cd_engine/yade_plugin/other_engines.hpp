@@ -22,9 +22,9 @@ class OtherEngines {
 	void check(const yade::Engine* self, yade::Scene*, bool weighs);
 	// Whether one of them runs between this step of `self` and the next one, or has run before `self` in this step; what that one has added to
 	// O.forces ends with this step.
-	// Engines that only set velocities of bodies do not count; `drivenBodies` has them.
+	// Engines that only set velocities of boundaries, or push them, do not count; `drivenBodies` has them.
 	bool observe(yade::Scene*) const;
-	// The bodies whose velocities other engines set in every step, by the bodies' positions alone.
+	// The boundaries whose velocities or forces other engines set in every step, by the boundaries' positions alone.
 	const std::vector<int>& drivenBodies();
 
 	// The class of an engine that sets motions but stands after `self`; empty: there is none.
@@ -50,7 +50,7 @@ class OtherEngines {
 		bool dead;
 		bool ignored; // `self`, or changes only what every step makes anew, or acts only on request
 		bool before; // it stands before `self`
-		bool drives; // only sets velocities of bodies
+		const std::vector<int>* drives; // the bodies of which it only sets velocities, or on which it only pushes; null: it does more
 	};
 	bool changed(const std::vector<Shared<yade::Engine>>&) const;
 

@@ -66,7 +66,29 @@ void prefetchBody(const KnownBody& known)
 	prefetch(known.state, { state_pos, state_vel, state_angVel, state_inertia, state_blockedDOFs });
 }
 
-// The plane of the disks is that of the first disk. That disk must stay in it, since boxes that reach this plane may not reach another.
+void SceneLink::findPlane(yade::BodyContainer& container)
+{
+	const ScenePlane now = ScenePlane::of(container, plane, gravity);
+	if (now.normal != plane.normal) { // nothing that is known of the bodies holds in it
+		bodies.clear();
+		layerId = -1;
+		outdated = true;
+	}
+	plane = now;
+	pull = plane.toPlane(gravity);
+	if (pull[2] != 0)
+		throw SceneError(
+		    text("ContactDynamics: gravity = (", gravity[0], ", ", gravity[1], ", ", gravity[2], ") m/s^2 points out of the ", plane.name(),
+			" plane, in which the blocked freedoms keep the scene. Block what keeps every disk in the plane of gravity: "
+			"O.bodies[i].state.blockedDOFs='zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z"));
+}
+
+std::string SceneLink::placeOf(const cd::Body& body) const
+{
+	return text('(', body.x, ", ", body.y, ") m", plane.normal == 2 ? "" : text(" in ", plane.name()));
+}
+
+// The layer of the disks is that of the first disk. That disk must stay in it, since boxes that reach this plane may not reach another.
 void SceneLink::findLayer(yade::BodyContainer& container)
 {
 	const auto isDisk = [](const Shared<yade::Body>& body) {
@@ -77,12 +99,14 @@ void SceneLink::findLayer(yade::BodyContainer& container)
 		layerId = isDisk(container[id]) ? id : -1;
 	if (layerId < 0)
 		return;
-	const double z = state_pos(body_state(container[layerId]))[2];
+	const double z = state_pos(body_state(container[layerId]))[plane.normal];
+	const char axis = plane.letter(plane.normal);
 	if (layerId != before || !isSame(bodies[layerId].identity, container[layerId]))
 		layer = z;
 	else if (std::isfinite(z) && std::abs(z - layer) > 1e-9 * world.bodies[layerId].radius)
-		refuseBody(layerId, text("has z = ", z, " m but stood at z = ", layer, " m in the step before, in the plane of the scene"),
-		    "Set the third component of its state.pos back. A scene that moves to another plane as a whole needs a new engine: "
+		refuseBody(layerId,
+		    text("has ", axis, " = ", z, " m but stood at ", axis, " = ", layer, " m in the step before, in the plane of the scene"),
+		    "Set that component of its state.pos back. A scene that moves to another plane as a whole needs a new engine: "
 		    "O.engines=cd_engine.engines()");
 }
 
@@ -96,44 +120,45 @@ void SceneLink::checkMotion(int id)
 	mustBeFinite(id, "a position", position);
 	mustBeFinite(id, "a velocity", velocity);
 	mustBeFinite(id, "an angular velocity", spin);
-	constexpr unsigned outside = ~(dofs[0] | dofs[1] | dofs[2]) & 63; // z and the rotations about x and y
-	if ((state_blockedDOFs(state) & outside) != outside) {
+	if (!plane.keeps(state_blockedDOFs(state))) {
 		if (body_clumpId(bodies[id].body) >= 0)
 			refuseBody(id, "belongs to a clump", releaseClump);
 		if (!kindOf(bodies[id].shape))
 			refuseShape(id, bodies[id].shape); // to set its freedoms would not help
-		refuseBody(id, "is free to leave the x-y plane, in which a scene lies",
-		    "Set O.bodies[#].state.blockedDOFs='zXY' (a boundary also blocks what is not to move)");
+		refuseBody(id, text("is free to leave the ", plane.name(), " plane, in which the scene lies by the freedoms of its bodies"),
+		    text("Set O.bodies[#].state.blockedDOFs='", plane.blocks(), "' (a boundary also blocks what is not to move)"));
 	}
-	if (velocity[2] != 0 || spin[0] != 0 || spin[1] != 0)
-		refuseBody(id, "moves out of the x-y plane", "Set its z velocity and its x and y angular velocities to 0");
+	if (velocity[plane.normal] != 0 || spin[plane.x] != 0 || spin[plane.y] != 0)
+		refuseBody(id, text("moves out of the ", plane.name(), " plane"),
+		    text("Set its ", plane.letter(plane.normal), " velocity and its ", plane.letter(plane.x), " and ", plane.letter(plane.y),
+			" angular velocities to 0"));
 }
 
 void SceneLink::readVelocity(int id, cd::Body& body) const
 {
 	for (int k = 0; k < cd::Plane::freedoms; k++)
-		body.v[k] = velocityOf(bodies[id].state, k);
+		body.v[k] = plane.velocity(bodies[id].state, k);
 }
 
 void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces) const
 {
 	void* const state = bodies[id].state;
 	const Vector3r& position = state_pos(state);
-	body.x = position[0];
-	body.y = position[1];
+	body.x = position[plane.x];
+	body.y = position[plane.y];
 	readVelocity(id, body);
 
 	const unsigned blocked = state_blockedDOFs(state);
-	const bool moves = (blocked & dofs[0]) == 0 || (blocked & dofs[1]) == 0, turns = (blocked & dofs[2]) == 0;
-	const double mass = state_mass(state), inertia = state_inertia(state)[2];
+	const bool moves = (blocked & plane.dof(0)) == 0 || (blocked & plane.dof(1)) == 0, turns = (blocked & plane.dof(2)) == 0;
+	const double mass = state_mass(state), inertia = state_inertia(state)[plane.normal];
 	if (moves && !(mass > 0 && std::isfinite(mass)))
 		refuseBody(id, text("is free to move but has the mass ", mass, " kg"),
 		    "Set O.bodies[#].state.mass, or block its degrees of freedom (state.blockedDOFs)");
 	if (turns && !(inertia > 0 && std::isfinite(inertia)))
-		refuseBody(id, text("is free to turn but has the moment of inertia ", inertia, " kg m^2 about z"),
-		    "Set O.bodies[#].state.inertia, or block 'Z'");
+		refuseBody(id, text("is free to turn but has the moment of inertia ", inertia, " kg m^2 about ", plane.letter(plane.normal)),
+		    text("Set O.bodies[#].state.inertia, or block '", "XYZ"[plane.normal], "'"));
 	for (int k = 0; k < cd::Plane::freedoms; k++)
-		body.inverseMass[k] = blocked & dofs[k] ? 0 : 1 / (k < cd::Plane::components ? mass : inertia);
+		body.inverseMass[k] = blocked & plane.dof(k) ? 0 : 1 / (k < cd::Plane::components ? mass : inertia);
 	std::fill_n(body.force, cd::Plane::freedoms, 0.);
 	if (!moves && !turns)
 		return;
@@ -142,9 +167,9 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 		readPermanentForce(id, force, torque);
 	mustBeFinite(id, "a force", force);
 	mustBeFinite(id, "a torque", torque);
-	body.force[0] = force[0] + (moves ? mass * gravity[0] : 0);
-	body.force[1] = force[1] + (moves ? mass * gravity[1] : 0);
-	body.force[2] = torque[2];
+	body.force[0] = force[plane.x] + (moves ? mass * pull[0] : 0);
+	body.force[1] = force[plane.y] + (moves ? mass * pull[1] : 0);
+	body.force[2] = plane.turn * torque[plane.normal];
 }
 
 // Reads class, size and orientation of the shape, any of which may change at any time. Returns whether it is in the plane of the disks.
@@ -165,12 +190,13 @@ bool SceneLink::readShape(int id, cd::Body& body)
 bool SceneLink::readDisk(int id, cd::Body& body)
 {
 	const KnownBody& known = bodies[id];
-	const double z = state_pos(known.state)[2], radius = sphere_radius(known.shape);
+	const double z = state_pos(known.state)[plane.normal], radius = sphere_radius(known.shape);
+	const char axis = plane.letter(plane.normal);
 	if (!(radius > 0 && std::isfinite(radius)))
 		refuseBody(id, text("has the radius ", radius, " m"), "Set O.bodies[#].shape.radius to a positive number");
 	if (!(std::abs(z - layer) <= 1e-9 * radius))
-		refuseBody(id, text("has z = ", z, " m but body #", layerId, " has z = ", layer, " m"),
-		    "Put all disks in one plane: set the third component of their state.pos");
+		refuseBody(id, text("has ", axis, " = ", z, " m but body #", layerId, " has ", axis, " = ", layer, " m"),
+		    "Put all disks in one plane: set that component of their state.pos");
 	body.radius = radius;
 	return true;
 }
@@ -185,14 +211,15 @@ bool SceneLink::readBox(int id, cd::Shape& shape)
 	const auto& q = orientations[id];
 	const double norm = q[2] * q[2] + q[3] * q[3];
 	if (!(std::abs(q[0]) <= 1e-9 && std::abs(q[1]) <= 1e-9))
-		refuseBody(id, "is a box turned out of the plane", "Turn it about z only: O.bodies[#].state.ori");
+		refuseBody(
+		    id, "is a box turned out of the plane", text("Turn it about ", plane.letter(plane.normal), " only: O.bodies[#].state.ori"));
 	if (!(norm > 0.5 && norm < 2))
 		refuseBody(id, "has an orientation that is not a rotation", "Set O.bodies[#].state.ori to a unit quaternion");
-	shape.ex = extents[0];
-	shape.ey = extents[1];
+	shape.ex = extents[plane.x];
+	shape.ey = extents[plane.y];
 	orient(id);
 	// A box that the disks' plane does not cut (a front or back wall) is never touched.
-	return layerId < 0 || std::abs(state_pos(known.state)[2] - layer) <= extents[2] * (1 + 1e-9);
+	return layerId < 0 || std::abs(state_pos(known.state)[plane.normal] - layer) <= extents[plane.normal] * (1 + 1e-9);
 }
 
 // Computes the orientation of a box in the plane.
@@ -208,17 +235,20 @@ void SceneLink::orient(int id)
 bool SceneLink::readWall(int id, cd::Shape& shape)
 {
 	const KnownBody& known = bodies[id];
-	const double spin = state_angVel(known.state)[2];
+	const double spin = state_angVel(known.state)[plane.normal];
+	const char about = plane.letter(plane.normal);
 	if (spin != 0)
-		refuseBody(id, text("is a wall with the angular velocity ", spin, " rad/s about z"),
+		refuseBody(id, text("is a wall with the angular velocity ", spin, " rad/s about ", about),
 		    "Set O.bodies[#].state.angVel to 0, or use a Box, which can turn");
-	if (!(state_blockedDOFs(known.state) & dofs[2]))
-		refuseBody(id, "is a wall that is free to turn about z", "Block 'Z' in O.bodies[#].state.blockedDOFs, or use a Box, which can turn");
-	shape.axis = wall_axis(known.shape);
+	if (!(state_blockedDOFs(known.state) & plane.dof(2)))
+		refuseBody(id, text("is a wall that is free to turn about ", about),
+		    text("Block '", "XYZ"[plane.normal], "' in O.bodies[#].state.blockedDOFs, or use a Box, which can turn"));
+	const int axis = wall_axis(known.shape);
+	shape.axis = axis == plane.x ? 0 : axis == plane.y ? 1 : 2;
 	shape.sense = wall_sense(known.shape);
-	if (shape.axis < 0 || shape.axis > 2)
-		refuseBody(id, text("is a wall with the axis ", shape.axis),
-		    "Set O.bodies[#].shape.axis to 0 or 1, the axis it is perpendicular to (2: before or behind the plane, never touched)");
+	if (axis < 0 || axis > 2)
+		refuseBody(id, text("is a wall with the axis ", axis),
+		    "Set O.bodies[#].shape.axis to 0, 1 or 2, the axis it is perpendicular to (that across the plane: never touched)");
 	if (shape.sense < -1 || shape.sense > 1)
 		refuseBody(id, text("is a wall with the sense ", shape.sense), "Set O.bodies[#].shape.sense to -1, 0 or 1");
 	return shape.axis != 2;
@@ -237,6 +267,7 @@ void SceneLink::readFriction(int id, void* mat)
 			warnOnce(text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping."),
 			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));
 	}
+	known.material = material_id(mat);
 	const double angle = frictMat_frictionAngle(mat);
 	if (angle == known.frictionAngle)
 		return;
@@ -295,7 +326,8 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 	if (!known.shape)
 		refuseBody(id, "has no shape", "Set O.bodies[#].shape to a Sphere, Box or Wall, or erase the body");
 	checkMotion(id);
-	std::copy_n(&state_ori(known.state), 4, orientations[id].data());
+	const double* const q = &state_ori(known.state);
+	orientations[id] = { plane.turn * q[plane.x], plane.turn * q[plane.y], plane.turn * q[plane.normal], q[3] };
 	const bool inPlane = readShape(id, world.bodies[id]);
 	readFriction(id, body_material(body).get());
 	const double x = world.bodies[id].x, y = world.bodies[id].y;
@@ -311,6 +343,7 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 	constexpr int ahead = 6;
 	auto& container = *scene_bodies(scene);
 	auto& forces = scene_forces(scene);
+	findPlane(container);
 	findLayer(container);
 	const int count = static_cast<int>(container.size());
 	bool changed = outdated || bodies.size() != container.size();
@@ -325,8 +358,9 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 		if (id + ahead < count)
 			prefetchBody(bodies[id + ahead]);
 		const bool boundary = isBoundary(world.bodies[id]), joins = world.masks[id] != 0;
+		const int material = bodies[id].material;
 		readBody(id, container[id], forces, scene_iter(scene));
-		changed = changed || isBoundary(world.bodies[id]) != boundary || (world.masks[id] != 0) != joins;
+		changed = changed || isBoundary(world.bodies[id]) != boundary || (world.masks[id] != 0) != joins || bodies[id].material != material;
 	}
 	std::sort(gone.begin(), gone.end());
 	outdated = changed || !gone.empty();

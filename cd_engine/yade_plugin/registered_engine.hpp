@@ -9,6 +9,7 @@
 
 #include "../bindings/python.hpp"
 #include "layout.hpp"
+#include "matches.hpp"
 #include "scene_error.hpp"
 
 #include <boost/make_shared.hpp>
@@ -67,6 +68,7 @@ template <> inline constexpr TypeName typeName<long> { "long", "a whole number" 
 template <> inline constexpr TypeName typeName<bool> { "bool", "True or False" };
 template <> inline constexpr TypeName typeName<std::string> { "string", "a text" };
 template <> inline constexpr TypeName typeName<Vector3r> { "Vector3r", "three numbers" };
+template <> inline constexpr TypeName typeName<Matches> { "shared_ptr<MatchMaker>", "a MatchMaker, a number or None" };
 template <> inline constexpr TypeName typeName<std::vector<int>> { "vector<int>", "a list of whole numbers" };
 template <> inline constexpr TypeName typeName<std::vector<double>> { "vector<Real>", "a list of numbers" };
 
@@ -197,8 +199,6 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 		} else if constexpr (std::is_same_v<T, Vector3r>) {
 			if (!value.allFinite())
 				return " is not a vector of finite numbers";
-			if (value[2] != 0)
-				return " has a component out of the x-y plane; its z must be 0. Turn a scene that lies in another plane";
 		} else if constexpr (std::is_same_v<T, std::string>)
 			return E::wordFault(name, value);
 		return "";

@@ -3,8 +3,9 @@
 
 #include "search/search.hpp"
 #include "step/step.hpp"
-#include "layout.hpp"
+#include "matches.hpp"
 #include "scene_error.hpp"
+#include "scene_plane.hpp"
 
 #include <boost/weak_ptr.hpp>
 
@@ -15,10 +16,6 @@
 #include <vector>
 
 namespace cd_engine {
-
-// Of each freedom of the plane: its bit in State.blockedDOFs, and its velocity in a State.
-constexpr unsigned dofs[cd::Plane::freedoms] = { 1, 2, 32 };
-inline double& velocityOf(void* state, int k) { return k < cd::Plane::components ? state_vel(state)[k] : state_angVel(state)[2]; }
 
 // Overlaps kept as touching, sorted by ids: two ids a pair (the smaller first), one overlap [m] a pair.
 struct ReferenceOverlaps {
@@ -47,6 +44,7 @@ struct KnownBody {
 	int placed = 0; // number of steps in a row before which somebody has set its position
 	long placedAt = 0; // the last of them
 	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
+	int material = -1; // its id in O.materials
 };
 void prefetchBody(const KnownBody&);
 
@@ -59,10 +57,23 @@ struct ForceObjects {
 	bool inUse() const { return real && geom; }
 };
 
+// What the settings say of pairs, by their materials.
+struct PairValues {
+	Matches en, frictAngle;
+	double restitution = 0; // of pairs that `en` does not know
+
+	// Throws SceneError for values out of range.
+	void check() const;
+	double largestRestitution() const;
+	bool operator==(const PairValues& o) const { return en == o.en && frictAngle == o.frictAngle && restitution == o.restitution; }
+};
+
 class SceneLink {
     public:
 	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
+	// What holds for pairs from the next gather on. Returns whether it is new. Throws SceneError for values out of range.
+	bool setValues(const PairValues&);
 	// Reads the scene, unless the scene is out of date. checksOrder: whether this step checks that the order of the bodies is still good.
 	// `margin`: the searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
 	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder, double margin, cd::TimeStep<cd::Plane>&,
@@ -101,10 +112,15 @@ class SceneLink {
 	std::string behindWall(const cd::Pair&) const;
 
 	void warnOnce(const std::string& what, const std::string& remedy);
+	// Where a body is, for a message.
+	std::string placeOf(const cd::Body&) const;
+	// A vector of space as the core sees it, after the first step.
+	Vector3r toPlane(const Vector3r& v) const { return plane.toPlane(v); }
 
     private:
 	void checkScene(yade::Scene*, double dt);
 	void gatherBodies(yade::Scene*);
+	void findPlane(yade::BodyContainer&);
 	void findLayer(yade::BodyContainer&);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);
@@ -126,6 +142,8 @@ class SceneLink {
 	bool readForces(cd::Sleepers<cd::Plane>*);
 	cd::Carried readForce(std::size_t pair, bool turned);
 	void setFriction(cd::Threads&);
+	void setPairFriction();
+	void setRestitution();
 	void recycle(ForceObjects&&);
 	void makeReal(std::size_t pair);
 	void orient(int id);
@@ -135,6 +153,8 @@ class SceneLink {
 	void writeContact(std::size_t pair, const cd::Touch&);
 	void writeMotion(std::size_t id);
 
+	PairValues values;
+	bool newValues = false; // whether the pairs have other values
 	std::vector<const void*> materials; // vtables of the classes of materials that have been met
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
@@ -152,9 +172,10 @@ class SceneLink {
 	std::vector<int> driven; // boundaries whose velocities in the scene are up to date nevertheless
 	bool finite = true; // whether the motion after the last step is finite
 	double lastDt = 0; // length of the last step [s]
-	Vector3r gravity = Vector3r::Zero();
-	double layer = 0; // z of the disks [m]
-	int layerId = -1; // the disk from which z was taken
+	Vector3r gravity = Vector3r::Zero(), pull = Vector3r::Zero(); // pull: gravity in the plane
+	ScenePlane plane;
+	double layer = 0; // where the plane of the disks is along its normal [m]
+	int layerId = -1; // the disk from which it was taken
 	bool outdated = true; // whether the pairs must be listed anew even if the scene's list is the same
 };
 

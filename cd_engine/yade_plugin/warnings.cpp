@@ -28,9 +28,9 @@ void ContactDynamics::warnBeforeStep(double dt)
 	warnOfSpeed(dt);
 	if (steps == 0)
 		warnOfShortStep(dt);
-	if (restitution > 0 && gapCorrection > 0 && gapVelocity)
-		link.warnOnce(
-		    "restitution and gapCorrection with gapVelocity create energy: the velocity that removes an overlap takes part in later rebounds.",
+	if ((restitution > 0 || en.given()) && gapCorrection > 0 && gapVelocity)
+		link.warnOnce("restitution and gapCorrection with gapVelocity create energy: the velocity that removes an overlap takes part in "
+			      "later rebounds.",
 		    "Set gapVelocity=False. A smaller O.dt reduces overlaps.");
 	if (const std::string& late = others.lateDriver(); !late.empty())
 		link.warnOnce(late + " stands after ContactDynamics in O.engines, so the motion that it sets comes a step late.",
@@ -58,7 +58,7 @@ void ContactDynamics::warnOfLostBody()
 		return;
 	warnedOfLost = true;
 	const cd::Body& body = link.world.bodies[id];
-	std::cerr << words("lost", id, body.x, body.y, std::hypot(body.v[0], body.v[1])) << '\n';
+	std::cerr << words("lost", id, link.placeOf(body), std::hypot(body.v[0], body.v[1])) << '\n';
 }
 
 // Prints one line a run if two bodies approach so fast that one may jump over the other: by more than the sum of their radii in half a step.

@@ -104,28 +104,35 @@ void SceneLink::writeContact(std::size_t index, const cd::Touch& touch)
 	assert(interaction_id1(interactions[index]) == world.pairs[index].a);
 	interaction_iterMadeReal(interactions[index]) = carried.since;
 	void *const g = objects[index].geom.get(), *const p = objects[index].phys.get();
-	geom_contactPoint(g) = Vector3r(touch.cx, touch.cy, layer);
+	geom_contactPoint(g) = plane.toSpace(touch.cx, touch.cy, layer);
 	geom_penetrationDepth(g) = touch.overlap;
 	phys_tangensOfFrictionAngle(p) = world.pairs[index].mu;
-	geom_normal(g) = Vector3r(carried.nx, carried.ny, 0);
-	phys_normalForce(p) = Vector3r(carried.fn[0], carried.fn[1], 0);
-	phys_shearForce(p) = Vector3r(carried.ft[0], carried.ft[1], 0);
+	geom_normal(g) = plane.toSpace(carried.nx, carried.ny);
+	phys_normalForce(p) = plane.toSpace(carried.fn[0], carried.fn[1]);
+	phys_shearForce(p) = plane.toSpace(carried.ft[0], carried.ft[1]);
 }
 
 void SceneLink::writeMotion(std::size_t id)
 {
 	void* const state = bodies[id].state;
 	const cd::Body& body = world.bodies[id];
-	state_pos(state).head<2>() << body.x, body.y;
+	state_pos(state)[plane.x] = body.x;
+	state_pos(state)[plane.y] = body.y;
 	// Blocked freedoms keep their velocity. Somebody may have blocked them, or set another velocity, meanwhile, at the console of a run.
 	const unsigned blocked = state_blockedDOFs(state);
 	for (int k = 0; k < cd::Plane::freedoms; k++)
-		if (body.inverseMass[k] > 0 && !(blocked & dofs[k]))
-			velocityOf(state, k) = body.v[k];
-	std::copy_n(orientations[id].data(), 4, &state_ori(state));
+		if (body.inverseMass[k] > 0 && !(blocked & plane.dof(k)))
+			plane.setVelocity(state, k, body.v[k]);
+	const auto& o = orientations[id];
+	double* const q = &state_ori(state);
+	q[plane.x] = plane.turn * o[0];
+	q[plane.y] = plane.turn * o[1];
+	q[plane.normal] = plane.turn * o[2];
+	q[3] = o[3];
 }
 
-// Applies the rotation of a step about z from the left. For the tiny rotations of quasi-static motion the first terms of the series are exact.
+// Applies the rotation of a step about the normal of the plane from the left. For the tiny rotations of quasi-static motion the first terms of the
+// series are exact.
 void SceneLink::finishStep(cd::TimeStep<cd::Plane>& step, double dt)
 {
 	const auto turn = [&](std::size_t from, std::size_t to) {
@@ -222,8 +229,8 @@ void SceneLink::publish(yade::Scene* scene, cd::TimeStep<cd::Plane>& step)
 		const double* w = world.bodies[id].inverseMass;
 		const double weight = w[0] > 0 || w[1] > 0 ? state_mass(bodies[id].state) : 0;
 		const std::array<double, 3>& p = impulses[id];
-		container.addForce(static_cast<int>(id), Vector3r(p[0] * rate + weight * gravity[0], p[1] * rate + weight * gravity[1], 0));
-		container.addTorque(static_cast<int>(id), Vector3r(0, 0, p[2] * rate));
+		container.addForce(static_cast<int>(id), plane.toSpace(p[0] * rate + weight * pull[0], p[1] * rate + weight * pull[1]));
+		container.addTorque(static_cast<int>(id), plane.torque(p[2] * rate));
 	}
 	// ForceResetter clears only the sums. What threads have added since the last sync would return in the next step.
 	container.sync();

@@ -104,7 +104,7 @@ def test_a_wall_along_gravity_has_no_height(O):
     (1, dict(share="half"), "share='half' is out of range: it must be a number above 0"),
     (1, dict(speed=-1), "speed=-1 m/s is out of range"),
     (1, dict(speed=(1, 0, 0)), "speed=.1, 0, 0. m/s is out of range: it must be a number"),
-    (1, dict(gravity=(0, 0, -9.81)), "points out of the x-y plane"),
+    (1, dict(gravity=(0, 0, -9.81)), "points along an axis along which no disk can move"),
     (1, dict(gravity=9.81), "gravity=9.81 is not a vector of three finite numbers, such as .0, -9.81, 0."),
     (1, dict(gravity=(0, float("nan"), 0)), "not a vector of three finite numbers"),
     (1, dict(gravity=(0, -9.81)), "gravity=.0, -9.81. is not a vector of three finite numbers"),

@@ -12,11 +12,11 @@ SETTINGS = {"tolerance": "tolerance", "flowTolerance": "flow_tolerance", "maxIte
             "allowedOverlap": "allowed_overlap", "handover": "reference_overlaps"}
 
 
-def set_engines(full, scene, goals=None):
-    """Set O.engines for a scene. Its free walls are loaded by goals(t) -> (sigma1, sigma2) [Pa], or not at all.
+def set_engines(full, scene, load=None):
+    """Set O.engines for a scene. Its free walls are loaded by PlateLoads of these settings, or not at all.
 
     Samples are taken before a step begins: positions after the last step, forces that acted in it. The load is that of the
-    middle of the step (Moreau-Jean scheme, theta = 1/2). No runner is due at every step unless walls are loaded: before each step in which one is
+    middle of the step (Moreau-Jean scheme, theta = 1/2). No runner is due at every step: before each step in which one is
     due, ContactDynamics writes its state to the scene, which costs a quarter of a step of a flow.
     """
     _forget_dashpots()
@@ -25,9 +25,9 @@ def set_engines(full, scene, goals=None):
     reset, collider, engine = cd_engine.engines(gravity=(0, -full["gravity"], 0), gapVelocity=full["fixed_iterations"] > 0, **settings)
     engine.label = "contact_dynamics"  # its name at the console
     engines = [hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING), reset, collider]
-    if goals is not None:
-        scene.load = walls.ForceLoad(goals, implicit=True)
-        engines.append(hooks.runner(scene.load.apply, iterPeriod=1, initRun=True))
+    if load is not None:
+        scene.load = walls.Load()
+        engines.append(cd_engine.PlateLoads(**load))
     O.engines = engines + [engine]
 
 

@@ -69,23 +69,24 @@ def stiffen(factor):
         contact.phys.cn_crit *= math.sqrt(factor)
 
 
-def set_engines(full, scene, goals=None):
-    """Set O.engines for a scene, its walls loaded by goals(t) -> (sigma1, sigma2) [Pa] or not at all.
+def set_engines(full, scene, load=None):
+    """Set O.engines for a scene, its walls loaded by PlateLoads of these settings or not at all.
 
     Samples are taken after the forces (with the loads) and before the motion, when positions and forces belong to the same time.
     """
     observer = hooks.runner(lambda: scene.observer(), iterPeriod=scene.every, initRun=True, label=hooks.SAMPLING)
-    if goals is None:
+    if load is None:
         loading = [observer]
     elif full["md_walls"] == "servo":
-        controller = walls.servo(goals(0.0), damping(full), bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
-        scene.load = walls.ServoLoad(goals, controller)
+        goal = [-goal for goal in load["goals"][:2]]
+        controller = walls.servo(goal, damping(full), bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
+        scene.load = walls.ServoLoad(controller)
         # A divisor, so that the work of the walls is up to date at every sample.
         every = max(n for n in range(1, full["md_load_every"] + 1) if scene.every % n == 0)
-        loading = [hooks.runner(scene.load.apply, iterPeriod=every, initRun=True), observer, controller]
+        loading = [cd_engine.PlateLoads(**load), hooks.runner(scene.load.apply, iterPeriod=every, initRun=True), observer, controller]
     else:
-        scene.load = walls.ForceLoad(goals)
-        loading = [hooks.runner(scene.load.apply, iterPeriod=1, initRun=True), observer]
+        scene.load = walls.Load()
+        loading = [cd_engine.PlateLoads(**load), observer]
     engines = contact_engines(full, full["tangential_law"]) + [cd_engine.DashpotWork(label=hooks.SUMMING)] * full["md_energies"]
     O.engines = engines + loading + [integrator(full)]
     bind(full, scene)

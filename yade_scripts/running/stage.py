@@ -69,15 +69,15 @@ def scene(full, lightest=None, **more):
     return Scene(every=every, samples=full["records_per_cycle"] * full["cycles"], **more)
 
 
-def load_walls(full, scene, goals):
-    """Set O.engines of the row's method for a scene in the biaxial box, whose walls are loaded by goals(t) -> (sigma1, sigma2) [Pa].
+def load_walls(full, scene, load):
+    """Set O.engines of the row's method for a scene in the biaxial box, whose walls are loaded by PlateLoads of these settings (`loading`).
 
     Walls x+ and y+ become free unless a servo moves them.
     """
     if full["method"] == "CD" or full["md_walls"] == "force":
         walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
     _damp(full)
-    method(full).set_engines(full, scene, goals)
+    method(full).set_engines(full, scene, load)
 
 
 def _damp(full):

@@ -6,6 +6,7 @@ are positive in compression: a wall force over the wall's area (other side times
 from yade import O, utils
 from yade.wrapper import TriaxialStressController
 
+from yade_scripts.running import hooks
 from yade_scripts.running.sums import total
 
 X_LOW, X_HIGH, Y_LOW, Y_HIGH, Z_LOW, Z_HIGH = range(6)
@@ -91,18 +92,33 @@ def set_free(mass):
 
 
 class Load:
-    """Applies goals(t) -> (sigma1, sigma2) at every call of `apply` and sums the work done. Forces and positions are those of x-, x+, y-, y+."""
+    """The load of PlateLoads as samples read it. With CD they stand at the end of a step, whose work PlateLoads sums at the beginning of the next."""
 
-    def __init__(self, goals, implicit=False):
-        """implicit: of Contact Dynamics, where a load holds throughout its step; it is that of the middle of the step."""
-        self.goals, self.implicit, self.lead = goals, implicit, O.dt / 2 if implicit else 0.0
-        self.goal = goals(0.0)
+    @property
+    def goal(self):
+        """(sigma1, sigma2) [Pa] of the last step, at first those of the beginning."""
+        engine = hooks.engine("PlateLoads")
+        return tuple(-(engine.goal if engine.steps else engine.goals)[axis] for axis in (0, 1))
+
+    def work(self):
+        """Return the work so far [J], of the forces on the sample and the mass of the walls."""
+        engine = hooks.engine("PlateLoads")
+        # The last two of six plates are those before and behind the sample.
+        now = total(force * (face - before) for force, face, before in zip(engine._pushes[:4], faces(), engine._faces))
+        return engine.work + now
+
+
+class ServoLoad(Load):
+    """Gives the goals to a TriaxialStressController. Its runner stands between PlateLoads and controller. The work is that on the sample."""
+
+    def __init__(self, controller):
+        self.controller = controller
         self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * 4
 
     def apply(self):
         """Apply the load of now, and add the work since the last call."""
-        self.goal = self.goals(O.time + self.lead)
-        forces = self._push()
+        self.controller.goal1, self.controller.goal2 = (-goal for goal in self.goal)
+        forces = self._now()
         self._sum += self._work(forces)
         self._positions, self._forces = faces(), forces
 
@@ -111,36 +127,10 @@ class Load:
         return self._sum + self._work(self._now())
 
     def _work(self, forces):
-        """Return the work [J] since the last call of `apply`, by the trapezoidal rule if not implicit; forces [N]: those of now."""
+        """Return the work [J] since the last call of `apply`, by the trapezoidal rule; forces [N]: those of now."""
         moved = [now - before for now, before in zip(faces(), self._positions)]
-        return total((before if self.implicit else (before + now) / 2) * way for before, now, way in zip(self._forces, forces, moved))
-
-
-class ServoLoad(Load):
-    """Gives the goals to a TriaxialStressController. Its runner stands between contact loop and controller. The work is that on the sample."""
-
-    def __init__(self, goals, controller):
-        super().__init__(goals)
-        self.controller = controller
-
-    def _push(self):
-        self.controller.goal1, self.controller.goal2 = -self.goal[0], -self.goal[1]
-        return self._now()
+        return total((before + now) / 2 * way for before, now, way in zip(self._forces, forces, moved))
 
     def _now(self):
         """Return the forces [N] of the walls on the disks."""
         return [-O.forces.f(wall)[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
-
-
-class ForceLoad(Load):
-    """Pushes the free walls x+ and y+ by stress times area. Its runner stands before the integrator and acts at every step. The work is that on the
-    sample and the mass of the walls. In leapfrog a push acts from half a step before to half a step after."""
-
-    def _push(self):
-        push = [-stress * area for stress, area in zip(self.goal, areas())]
-        O.forces.addF(X_HIGH, (push[0], 0, 0))
-        O.forces.addF(Y_HIGH, (0, push[1], 0))
-        return [0.0, push[0], 0.0, push[1]]
-
-    def _now(self):
-        return self._forces

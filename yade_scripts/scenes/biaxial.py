@@ -20,11 +20,11 @@ def check(full):
                              "guess; set warm_start = True")
 
 
-def build(full, folder, goals=None):
+def build(full, folder, load=None):
     """Load the prepared packing (made if it is missing) and set the engines of the row's method, with the contact forces of the preparation or, with
     network_seed, others.
 
-    goals: function t -> (sigma1, sigma2) [Pa], if the load is not the row's `loading`.
+    load: settings of PlateLoads, if the load is not the row's `loading`.
     """
     from yade_scripts.preparing import force_network, prepare
     from yade_scripts.running import loading, stage
@@ -34,9 +34,9 @@ def build(full, folder, goals=None):
     if full["loading"] == "ramp" or full["cycles"] == 1:
         snapshots |= set(range(0, samples, max(1, samples // SNAPSHOTS)))
     scene = stage.scene(full, state_sha256=checksum, snapshots=snapshots, kept={})
-    goals = goals or loading.goals(full, parameters.pressure(full))
+    load = load or loading.of_row(full, parameters.pressure(full))
     if full["method"] == "CD" and full["network_seed"]:
-        stage.load_walls(full, scene, goals)
+        stage.load_walls(full, scene, load)
         force_network.replace(full["network_seed"], full["network_perturbation"])
-    stage.load_walls(full, scene, goals)
+    stage.load_walls(full, scene, load)
     return scene

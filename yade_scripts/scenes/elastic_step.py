@@ -3,8 +3,6 @@
 The step P0 delta_sigma comes as half a cosine over the whole time. The exact gamma of the springs follows from the stiffness matrix of
 the contact network (running/elastic.py) and is proportional to 1/k_n. In the stiff limit, and in CD, it is 0.
 """
-import math
-
 from yade_scripts import parameters
 from yade_scripts.scenes import Chart, Known, biaxial
 
@@ -18,18 +16,16 @@ CHART = Chart(prepared=True, physics=("beta_n",), rolling=True, sizes=(60, 240, 
 
 def build(full, folder):
     """Build the packing and the walls of the biaxial test, loaded by this step."""
-    from yade_scripts.running import elastic, walls
+    from yade_scripts.running import elastic, loading, walls
     p0, time = parameters.pressure(full), full["period"] * full["cycles"]
 
-    def goals(t):
-        return p0, p0 * (1 + full["delta_sigma"] * (1 - math.cos(math.pi * min(t / time, 1))) / 2)
-
-    scene = biaxial.build(full, folder, goals)
+    step = {"loading": "smoothStep", "rise": (0, full["delta_sigma"], 0), "period": time}
+    scene = biaxial.build(full, folder, loading.constant(p0) | step)
     sides = walls.sides()
     springs = elastic.strain(p0 * full["delta_sigma"])
     scene.known = [
         Known("gamma", "1", springs if full["method"] == "MD" else 0.0, lambda: walls.gamma(sides), scale=abs(springs),
               source="MD: stiffness matrix of the contacts; CD: rigid contacts below yield; scale: the strain of the springs"),
-        Known("sigma2", "Pa", goals(time)[1], lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"],
+        Known("sigma2", "Pa", p0 * (1 + full["delta_sigma"]), lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"],
               source="the prescribed load; scale: its step")]
     return scene

@@ -30,12 +30,12 @@ def build(full, folder):
     """Load the packing (made if missing) under P0; make one step from zero forces, then a walk of records_per_cycle times cycles steps."""
     from yade import O
     from yade_scripts.preparing import force_network, prepare
-    from yade_scripts.running import stage
+    from yade_scripts.running import loading, stage
     checksum = prepare.load(full, folder)
     O.dt = full["cd_dt"]
     scene = Scene(every=1, samples=full["records_per_cycle"] * full["cycles"] + 1, state_sha256=checksum)
     p0 = parameters.pressure(full)
-    stage.load_walls(full, scene, lambda t: (p0, p0))
+    stage.load_walls(full, scene, loading.constant(p0))
     walk = force_network.Walk(full["network_seed"], full["network_perturbation"], cold_first=True)
     walk.surround()
     scene.extra = {

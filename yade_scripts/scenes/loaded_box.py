@@ -15,7 +15,7 @@ CHART = Chart(sizes=(25, 100, 400, 1600, 6400))
 
 def build(full, folder):
     """Build as many disks as fill a square, at most `disks`; the springs of MD are compressed by P0 from the start."""
-    from yade_scripts.running import bodies, stage, walls
+    from yade_scripts.running import bodies, loading, stage, walls
     ground = stage.Ground(full)
     radius, rows, p0 = ground.radius, math.isqrt(full["disks"]), parameters.pressure(full)
     bodies.append_material("wall", 0.0, full)
@@ -28,5 +28,5 @@ def build(full, folder):
         ground.disk(place)
     scene = stage.scene(full, known=[Known("worst_stress_error", "1", 0.0, lambda: walls.stress_error(p0),
                                            source="balance: each wall carries P0 on its length")])
-    stage.load_walls(full, scene, lambda t: (p0, p0))
+    stage.load_walls(full, scene, loading.constant(p0))
     return scene

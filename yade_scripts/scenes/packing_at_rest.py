@@ -12,9 +12,9 @@ CHART = Chart(prepared=True, physics=("beta_n",))
 
 def build(full, folder):
     """Build the packing and the walls of the biaxial test with sigma1 = sigma2 = P0."""
-    from yade_scripts.running import walls
+    from yade_scripts.running import loading, walls
     p0 = parameters.pressure(full)
-    scene = biaxial.build(full, folder, lambda t: (p0, p0))
+    scene = biaxial.build(full, folder, loading.constant(p0))
     sides = walls.sides()
     scene.known = [
         Known("worst_stress_error", "1", 0.0, lambda: walls.stress_error(p0), source="balance: each wall carries P0 on its length"),

@@ -31,16 +31,16 @@ def build(full, folder):
     """Build the packing and the walls of the biaxial test; gamma is checked with every sample."""
     from yade import O
     from yade_scripts.theory import statics
-    from yade_scripts.running import hooks, loading, observe, walls
+    from yade_scripts.running import hooks, observe, walls
     p0 = parameters.pressure(full)
     scene = biaxial.build(full, folder)
     limit = statics.limit_loads(observe.snapshot(True), p0, full["depth"], full["stress_path"])[1]
-    sides, goals, yielded = walls.sides(), loading.goals(full, p0), []
+    sides, yielded = walls.sides(), []
 
     def watch():
         """Store sigma2/P0 when |gamma| first exceeds yield_strain."""
         if not yielded and abs(walls.gamma(sides)) > full["yield_strain"]:
-            yielded.append(goals(O.time)[1] / p0)
+            yielded.append(1 + full["ramp_rate"] * O.time)
 
     O.engines = O.engines + [hooks.runner(watch, iterPeriod=scene.every)]
     scene.kept["yielded"] = yielded

@@ -22,6 +22,7 @@ template <class Space> struct WorldOf {
 	// Of each pair: its first contact, then the number of all. Empty where each pair has one, of its own number, as in the plane.
 	std::vector<int32_t> firstContact;
 	std::vector<typename Space::Carried> carried; // by contact
+	std::vector<double> restitutions; // of the pairs; empty: StepSettings::restitution for all
 	// Of each shape [m]: the list of pairs holds every two whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
 	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists

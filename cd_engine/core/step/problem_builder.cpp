@@ -63,8 +63,9 @@ void ProblemBuilder<Plane>::demandRebound(
 	const Body &a = step.world.bodies[c.a], &b = step.world.bodies[c.b];
 	const double gap = finder.gap(step.world, finder.pairs()[contact]);
 	const double un = relativeVelocity<false>(c, motionOf<Plane>(a.v), motionOf<Plane>(b.v)).n;
-	const bool hit = un < 0 && gap + turned + step.dt() * un <= 0, parts = gap <= 0 && un > 0;
-	const double rebound = hit || parts ? step.settings.restitution * un : std::numeric_limits<double>::quiet_NaN();
+	const double e = step.world.restitutions.empty() ? step.settings.restitution : step.world.restitutions[finder.pairs()[contact]];
+	const bool hit = e > 0 && un < 0 && gap + turned + step.dt() * un <= 0, parts = e > 0 && gap <= 0 && un > 0;
+	const double rebound = hit || parts ? e * un : std::numeric_limits<double>::quiet_NaN();
 	rebounds.set(contact, c.bias, rebound);
 	if (hit || parts)
 		c.bias = Rebounds<Plane>::bias(c.bias, rebound);

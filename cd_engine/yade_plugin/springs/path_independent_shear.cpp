@@ -1,5 +1,6 @@
 // Tangential springs between disks that store no path: McNamara, Garcia-Rojo and Herrmann, Phys. Rev. E 77, 031304 (2008).
 #include "../kind.hpp"
+#include "../scene_plane.hpp"
 #include "spring_engines.hpp"
 
 #include <algorithm>
@@ -38,7 +39,8 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 	      "on the disks is "
 	      "(R1+R2)/d T at the arms R1 and R2, d the distance of their centres. O.forces then holds this instead of the functor's force. "
 	      "A contact seen for the first time takes over the functor's shear force, so a packing made with the usual law goes on from its forces. "
-	      "For Law2_ScGeom_FrictPhys_CundallStrack and Law2_ScGeom_FrictViscoPhys_CundallStrackVisco and for spheres in one plane of constant z. "
+	      "For Law2_ScGeom_FrictPhys_CundallStrack and Law2_ScGeom_FrictViscoPhys_CundallStrackVisco and for spheres in one plane, which their "
+	      "blockedDOFs tell (x-y if they do not). "
 	      "Contacts with walls and boxes keep the functor's force; the slip on them is counted, too. O.dt may change between steps only where "
 	      "nothing "
 	      "turns.";
@@ -61,7 +63,8 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 		visit("frictionDissipation", &C::frictionDissipation, setting,
 		    "Energy dissipated by slip since the start, on walls and boxes, too [J].");
 		visit("pairIds", &C::pairIds, internal, "Ids of the bodies of all contacts, two a contact; the memory of the springs.");
-		visit("pairNormals", &C::pairNormals, internal, "Their normals in the last step, from the first body to the second: x and y [1].");
+		visit("pairNormals", &C::pairNormals, internal,
+		    "Their normals in the last step, from the first body to the second: x and y, x and z or y and z [1].");
 		visit("pairForces", &C::pairForces, internal, "Their spring's forces on the second body along the normal turned by +90 degrees [N].");
 		visit("lastStep", &C::lastStep, internal, "O.iter of the last step; after a pause of this engine the memory starts anew.");
 	}
@@ -72,7 +75,8 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 	struct Disk {
 		bool exists = false; // else the body is no disk
 		double turn = 0; // since the step before [rad]
-		Vector3r force = Vector3r::Zero(), torque = Vector3r::Zero(); // to be added to O.forces
+		Vector3r force = Vector3r::Zero(); // in the plane; to be added to O.forces, as the torque
+		double torque = 0;
 		bool touched = false;
 	};
 
@@ -94,6 +98,7 @@ class PathIndependentShear : public SpringEngine<PathIndependentShear> {
 	void remember(const Spring&, double force);
 	std::size_t recall(int id1, int id2);
 
+	ScenePlane plane;
 	std::vector<Disk> disks; // at their bodies' ids
 	// The memory being written while the old one is read; where the next pair is expected in it; its order by ids, made when needed.
 	std::vector<int> newIds;
@@ -108,16 +113,19 @@ void PathIndependentShear::readBodies()
 	auto& container = *scene_bodies(scene);
 	const double dt = scene_dt(scene);
 	static Kind isSphere { "Sphere" };
+	plane = ScenePlane::of(container, plane, Vector3r::Zero());
 	disks.assign(container.size(), Disk());
 	for (std::size_t id = 0; id < disks.size(); id++) {
 		const Shared<yade::Body>& body = container[id];
 		if (!body || !body_shape(body) || !isSphere(body_shape(body).get()))
 			continue;
 		const Vector3r& spin = state_angVel(body_state(body));
-		if (spin[0] != 0 || spin[1] != 0)
-			refuse(text("body #", id, " turns out of the plane"), "Set blockedDOFs='zXY' and its x and y angular velocities to 0");
+		if (spin[plane.x] != 0 || spin[plane.y] != 0)
+			refuse(text("body #", id, " turns out of the plane"),
+			    text("Set blockedDOFs='", plane.blocks(), "' and its ", plane.letter(plane.x), " and ", plane.letter(plane.y),
+				" angular velocities to 0"));
 		disks[id].exists = true;
-		disks[id].turn = spin[2] * dt;
+		disks[id].turn = plane.turn * spin[plane.normal] * dt;
 	}
 }
 
@@ -161,7 +169,7 @@ void PathIndependentShear::remember(const Spring& c, double force)
 // The slip of a disk on something else. The law functor has taken its trial force, S - k_s (shearInc . t), back to the limit.
 void PathIndependentShear::countSlip(const Spring& c, bool isNew)
 {
-	const Vector3r& moved = geom_shearInc(c.geom);
+	const Vector3r moved = plane.toPlane(geom_shearInc(c.geom));
 	if (isNew || c.known < pairForces.size()) {
 		double trial = (isNew ? 0 : pairForces[c.known]) - phys_ks(c.phys) * (c.n[0] * moved[1] - c.n[1] * moved[0]);
 		clip(trial, c);
@@ -184,12 +192,12 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 		refuse(pairName(id1, id2) + " has " + className(geom) + " and " + className(phys),
 		    "It needs ScGeom with FrictPhys (Law2_ScGeom_FrictPhys_CundallStrack) or FrictViscoPhys "
 		    "(Law2_ScGeom_FrictViscoPhys_CundallStrackVisco)");
-	const Vector3r& n = geom_normal(geom);
+	const Vector3r n = plane.toPlane(geom_normal(geom));
 	if (n[2] != 0 && ofDisks)
-		refuse(pairName(id1, id2) + " has a normal out of the plane", "Put all disks at one z");
+		refuse(pairName(id1, id2) + " has a normal out of the plane", "Put all disks in one plane, and block what would take them out of it");
 
 	Vector3r& shear = phys_shearForce(phys);
-	const Vector3r old = shear;
+	const Vector3r old = plane.toPlane(shear);
 	// A contact made in this step is new, even if the same pair had one in the step before. (O.resetTime() may leave iterMadeReal in the future.)
 	const bool isNew = interaction_iterMadeReal(interaction) == scene_iter(scene);
 	const Spring c { geom, phys, id1, id2, n, n[0] * old[1] - n[1] * old[0], phys_tangensOfFrictionAngle(phys) * phys_normalForce(phys).norm(),
@@ -212,14 +220,15 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 	slidingContacts += clip(force, c) && c.limit > 0; // without friction there is no limit to reach
 	remember(c, force);
 
-	shear = Vector3r(-n[1] * force, n[0] * force, 0);
+	const double forceX = -n[1] * force, forceY = n[0] * force;
+	shear = plane.toSpace(forceX, forceY);
 	const double alpha = (r1 + r2) / (r1 + r2 - overlap);
-	const Vector3r added(alpha * shear[0] - old[0], alpha * shear[1] - old[1], 0);
+	const Vector3r added(alpha * forceX - old[0], alpha * forceY - old[1], 0);
 	Disk &one = disks[id1], &two = disks[id2];
 	one.force -= added;
 	two.force += added;
-	one.torque[2] -= r1 * force - (r1 - overlap / 2) * c.force;
-	two.torque[2] -= r2 * force - (r2 - overlap / 2) * c.force;
+	one.torque -= r1 * force - (r1 - overlap / 2) * c.force;
+	two.torque -= r2 * force - (r2 - overlap / 2) * c.force;
 	one.touched = two.touched = true;
 	return true;
 }
@@ -250,8 +259,8 @@ void PathIndependentShear::step()
 	for (std::size_t id = 0; id < disks.size(); id++) {
 		if (!disks[id].touched)
 			continue;
-		forces.addForce(static_cast<int>(id), disks[id].force);
-		forces.addTorque(static_cast<int>(id), disks[id].torque);
+		forces.addForce(static_cast<int>(id), plane.toSpace(disks[id].force[0], disks[id].force[1]));
+		forces.addTorque(static_cast<int>(id), plane.torque(disks[id].torque));
 	}
 }
 

@@ -79,7 +79,7 @@ def run(case):
     full = parameters.complete({"disks": DISKS, "period": case["period"], "records_per_cycle": SAMPLES, "beta_n": BETA})
     md.set_damping(BETA)
     scene = stage.scene(full)
-    stage.load_walls(full, scene, loading.goals(full, parameters.pressure(full)))
+    stage.load_walls(full, scene, loading.of_row(full, parameters.pressure(full)))
     controller = scene.load.controller
     own_gain = 2 * BETA * (bodies.mean_mass() / parameters.stiffness(full))**0.5 / O.dt
     controller.stressDamping, controller.max_vel = 1 - case["gain"] / own_gain, case["max_velocity"]
