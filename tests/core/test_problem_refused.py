@@ -17,7 +17,7 @@ GOOD = np.diag([2.0, 3.0, 2.0, 3.0])
 
 @pytest.mark.parametrize("W, q, mu, words", [
     (np.ones((4, 2)), np.zeros(4), [0, 0], "4 x 2"),
-    (np.eye(3), np.zeros(3), [0], "even"),
+    (np.eye(5), np.zeros(5), [0], "even"),
     (np.eye(4) * np.nan, np.zeros(4), [0, 0], r"W\[0, 0\]"),
     (GOOD + np.pad([[0, np.inf]], ((0, 3), (0, 2))), np.zeros(4), [0, 0], r"W\[0, 1\]"),
     (np.diag([2.0, 3, 0, 3]), np.zeros(4), [0, 0], r"W\[2, 2\].*normal inverse effective mass of contact 1"),
