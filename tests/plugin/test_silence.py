@@ -138,7 +138,7 @@ def test_two_disks_that_pass_each_other(O, capfd, ways, told):
     assert any("and may jump over it" in line for line in said_by(O, capfd, 1)) == told
 
 
-@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("en", "`restitution`"),
+@pytest.mark.parametrize("name, said", [("tolerence", "Did you mean tolerance"), ("damping", "see restitution"), ("es", "`restitution`"),
                                         ("friction", "FrictMat"), ("dt", "O.dt"), ("xyzzy", "help")])
 @pytest.mark.parametrize("make", [cd_engine.engines, cd_engine.ContactDynamics])
 def test_misspelt_names(make, name, said):
