@@ -16,6 +16,7 @@ LOOK = {**{name: (style.GREY["77"], marker) for name, marker in zip(PEERS, "v<>P
         "auto": (style.PINK, "D")}
 TARGET_LOOK = {1e-4: (style.BLUE, "o"), 1e-6: (style.GREEN, "s"), 1e-8: (style.VERMILION, "^")}
 PANELS = 6
+LEGEND = 6  # entries in a line
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
 OF_SOLUTIONS = dict(texts=("status", "problem", "kind", "start", "method"),
@@ -58,9 +59,9 @@ def chosen(rows):
     return (packings[:PANELS - min(2, len(others))] + others)[:PANELS]
 
 
-def error_against_time(rows, origin):
+def error_against_time(rows, origin, problems=None):
     """Draw a panel for each problem and a line for each method: the error reached against the time. Failures stand at the right edge, open."""
-    problems = chosen(rows)
+    problems = problems or chosen(rows)
     rows = rows[rows.problem.isin(problems) & ((rows.status != SOLVED) | (rows.sweeps > 0))]
     names = rows.method.unique()
     wide = min(3, len(problems))
@@ -81,14 +82,15 @@ def error_against_time(rows, origin):
         axis.axis("off")
     entries = [dict(color=LOOK[name][0], marker=LOOK[name][1], label=name) for name in names]
     entries.append(dict(color=style.GREY["77"], marker="o", mfc="none", ls="none", label="given up at this error"))
-    fig.suptitle(" ")  # keeps room for the legend
-    style.legend(fig, entries, loc="upper center", ncol=len(entries))
+    lines = -(-len(entries) // LEGEND)
+    fig.suptitle("\n".join(lines * " "))  # keeps room for the legend
+    style.legend(fig, entries, loc="upper center", ncol=-(-len(entries) // lines))
     return fig
 
 
 def error_in_space(rows, origin):
     """The same for problems in space, with several of Siconos's solvers."""
-    return error_against_time(rows, origin)
+    return error_against_time(rows, origin, list(rows.problem.unique())[-PANELS:])
 
 
 def sweep_cost(rows, origin):

@@ -71,8 +71,8 @@ def draw(runs, rows, path):
                 or (run.method == "CD" and row["cd_dt"] != 1e-3) or (run.method == "MD" and row["stiffening"] != 1):
             continue
         label = kind(run) + ("" if kind(run) == RIGID else ", $k_n$" if row["stiffening"] == 1 else f", {row['stiffening']:g} $k_n$")
-        left.plot(-run.values("gamma"), run.values("sigma2") / run.pressure, color=COLOUR[kind(run)], ls="--" if kind(run) == SPRINGS else "-",
-                  lw=2.5 if kind(run) == MD else 1.5, label=label)
+        left.plot(-run.values("gamma"), run.values("sigma2") / run.pressure, color=COLOUR[kind(run)], label=label,
+                  ls="-" if kind(run) != SPRINGS else "--" if row["stiffening"] == 1 else ":", lw=3 if kind(run) == MD else 1.5)
     left.set(xlabel=r"$-\gamma$", ylabel=r"$\sigma_2/P_0$", title=f"packing {seed}")
     left.ticklabel_format(axis="x", style="sci", scilimits=(0, 0))
     left.legend(fontsize=7)

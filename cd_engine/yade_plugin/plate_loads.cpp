@@ -162,7 +162,7 @@ void PlateLoads::step()
 		axes[k].low = plate(low, k, facesNow[low]);
 		axes[k].high = plate(high, k, facesNow[high]);
 		length[k] = facesNow[high] - facesNow[low];
-		if (!(length[k] > 0))
+		if (length[k] <= 0) // a NaN is told where the run is watched
 			refuse(text("plates #", plates[low], " and #", plates[high], " have met along ", axisName[k]),
 			    "In plates give the lower one first; a sample that collapses needs an end of its run");
 	}

@@ -193,8 +193,12 @@ def test_no_study_is_older_than_the_bits_of_its_scenes(root):
                 assert stored_at(root, commit)[f"{scene} {method}"] == known, f"{name}: {scene} {method} of {commit}"
 
 
+# Published after the others, since the engine had no springs before; the rows of both kinds have kept their bits.
+LATER = {"implicit"}
+
+
 def test_studies_charts_maps_and_the_solvers_table_come_from_one_commit():
     """The benchmark's other tables, of times alone, name commits of their own: they need an idle machine."""
     drawn = [json.loads((FOLDER / charts.FOLDER / f"{name}.json").read_text()) for name in charts.ORDER]
     solvers = json.loads((FOLDER / "benchmark" / "provenance.json").read_text())["commit"]
-    assert {commit for found in [said(name) for name in PUBLISHED] + drawn for commit in found["commits"]} == {solvers}
+    assert {commit for found in [said(name) for name in PUBLISHED if name not in LATER] + drawn for commit in found["commits"]} == {solvers}

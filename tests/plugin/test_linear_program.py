@@ -64,4 +64,4 @@ def test_what_a_lid_presses_on_a_belt_is_not_called_solved(O, tmp_path):
             if engine.converged and closing > 10 * tolerance * max(prescribed, belt, G * STEP):
                 wrong.append((scene, step, engine.method, tolerance, closing, prescribed))
     assert not wrong
-    assert pressed > 200 and solved > 40
+    assert pressed > 200 and solved > 20  # 249 and 24: fast bodies do not hide slow presses, half of which counted as solved before
