@@ -57,7 +57,7 @@ class BodyProblem:
         refuse_negative("inverse_masses", self.inverse_masses)
         refuse_negative("compliances", self.compliances)
         normal = self.compliances[::2] > 0
-        if normal.any() != normal.all() or not normal.any() and (self.compliances.any() or self.slip_bias.any()):
+        if normal.any() != (normal.all() and n > 0) or not normal.any() and (self.compliances.any() or self.slip_bias.any()):
             raise ValueError("compliances: either all contacts have a normal compliance above 0, or none has any compliance or slip_bias")
         refuse_friction(self.mu)
         if (wrong := np.flatnonzero(np.abs(np.hypot(*self.normals.T) - 1) > UNIT)).size:
