@@ -12,7 +12,8 @@ from yade_scripts.results import provenance
 
 REFERENCE = "nsgs"
 # Okabe and Ito's palette, with a marker of its own for each method.
-LOOK = {**{name: (style.GREY["77"], marker) for name, marker in zip(PEERS, "v<>P*h")}, PEER: (style.BLACK, "X"), REFERENCE: (style.VERMILION, "s"), "accelerated": (style.BLUE, "o"), "newton": (style.GREEN, "^"),
+LOOK = {**{name: (style.GREY["77"], marker) for name, marker in zip(PEERS, "v<>P*h")}, PEER: (style.BLACK, "X"), REFERENCE: (style.VERMILION, "s"),
+        "accelerated": (style.BLUE, "o"), "newton": (style.GREEN, "^"),
         "auto": (style.PINK, "D")}
 TARGET_LOOK = {1e-4: (style.BLUE, "o"), 1e-6: (style.GREEN, "s"), 1e-8: (style.VERMILION, "^")}
 PANELS = 6

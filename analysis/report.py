@@ -47,14 +47,16 @@ def build(folder, path, published=False, faults=None):
             unread.append(str(error))
     (words, short_answer), (note, processes, causes) = texts.findings(), texts.causes()
     page = environment.get_template("report.html").render(
-        paper=PAPER, findings=short_answer, words=words, there=there, parts={part: [study for study in studied if study["part"] == part] for part in PARTS},
+        paper=PAPER, findings=short_answer, words=words, there=there,
+        parts={part: [study for study in studied if study["part"] == part] for part in PARTS},
         studies=studied, faults=faults,
         absent=[studies.module(name).TITLE for name in names if not (folder / f"{name}.json").is_file()],
         charts=_readable(charts.ORDER, folder / charts.FOLDER, unread, lambda name: _chart(name, folder / charts.FOLDER, link)),
         broken=[*broken, *dict.fromkeys(unread)],
         points=sorted(points),
         sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes, processes=processes, note=note,
-        commits=sorted({commit for study in studied for commit in study["commits"]}), yade=sorted({one for study in studied for one in study["yade"]}),
+        commits=sorted({commit for study in studied for commit in study["commits"]}),
+        yade=sorted({one for study in studied for one in study["yade"]}),
         published=published)
     sealed.replace(path, page.encode())
     return path

@@ -97,7 +97,8 @@ def methods():
 def engines(**settings):
     """Return the list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
-    settings: attributes of `ContactDynamics`. With a stiffness and without a tolerance, errors may be a tenth of the motion of a step. Else, without a
+    settings: attributes of `ContactDynamics`. With a stiffness and without a tolerance, errors may be a tenth of the motion of a
+        step. Else, without a
     tolerance, steps are solved to 1e-4 after bodies have flowed or collided, and to 1e-6
     when nothing slides or collides any more (flowTolerance). Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics.
     ContactDynamics itself finds the pairs that may touch. The collider is for springs and for YADE's tools; it does nothing during a run.

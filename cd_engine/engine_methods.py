@@ -106,7 +106,8 @@ def check_name(engine, name):
     friction = "Friction is that of the bodies' materials: FrictMat(frictionAngle=...)."
     bounce = "The share of the speed that an impact gives back is `restitution`."
     stiffness = "The stiffness of contacts is `stiffness`, `tangentialStiffness` or `materialStiffness`."
-    rigid = {"damping": "Rigid contacts have no damping; see restitution, and with a stiffness dampingRatio.", "es": bounce, "coefficientOfRestitution": bounce,
+    rigid = {"damping": "Rigid contacts have no damping; see restitution, and with a stiffness dampingRatio.",
+             "es": bounce, "coefficientOfRestitution": bounce,
              "kn": stiffness, "ks": stiffness, "dt": "The time step is O.dt; cd_engine.timeStep() proposes one.",
              "friction": friction, "mu": friction, "frictionAngle": friction}
     meant = {"tol": "tolerance", "solver": "method", "numThreads": "threads", "nThreads": "threads"}

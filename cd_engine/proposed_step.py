@@ -23,7 +23,8 @@ def timeStep(gravity=None, speed=None, share=None):
                restitution, since disks that bounce in a cluster overlap by up to their displacement in a step, and stay overlapped. An example:
                the disks that left a hopper of 600 disks in 0.6 s were 155 at 1/16, 152 at 1/8, 151 at 1/4, 146 at 1/2 and at 1 (means of four seeds)
 
-    With a stiffness (of ContactDynamics, or of the materials) the step is at most h with k_n h^2 (2/m) = 100, m the smallest mass [kg] of a disk: about
+    With a stiffness (of ContactDynamics, or of the materials) the step is at most h with k_n h^2 (2/m) = 100, m the smallest mass [kg] of a
+    disk: about
     as many sweeps as errors of the quasi-static motion allow. Impacts whose rebound matters need a hundredth of it.
 
     Rigid contacts have no stiffness that would limit the time step, but geometry limits it: a step uses the normals at its middle, so a disk

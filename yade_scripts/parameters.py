@@ -78,8 +78,9 @@ REGISTRY = {p.name: p for p in (
     Parameter("md_energies", True, "1", "sum the work of friction and dashpots in every step; without it a step costs 5 to 10 % less, and the "
               "dissipated energy is unknown (NaN)", method="MD"),
     Parameter("cd_dt", 1e-3, "s", "largest CD step", above=0, high=1, method="CD"),
-    Parameter("cd_contacts", "rigid", "1", "rigid; springs: Contact Dynamics with the springs and dashpots of the row (kn, kt_over_kn, beta_n), solved at "
-              "the end of each step; restitution and gap_correction have no effect, and tolerance is relative to the motion of a step, by default 0.1",
+    Parameter("cd_contacts", "rigid", "1", "rigid; springs: Contact Dynamics with the springs and dashpots of the row (kn, kt_over_kn, beta_n), "
+              "solved at the end of each step; restitution and gap_correction have no effect, and tolerance is "
+              "relative to the motion of a step, by default 0.1",
               choices=("rigid", "springs"), method="CD"),
     # The contact solver: attributes of ContactDynamics.
     Parameter("method_cd", "auto", "1", "contact solver", choices=("nsgs", "accelerated", "newton", "auto"), method="CD"),

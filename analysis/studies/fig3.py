@@ -80,7 +80,8 @@ def draw(runs, rows, path):
                title="first cycle, all packings")
     ends.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$", ylabel="cycles", title="cycles until collapse; open: none so far")
     starts.legend(loc="lower right")
-    style.finish(fig, path, "Left: rigid grains at rest are not drawn; a cross is a collapse. Middle: far below the limit rigid grains show the error of "
+    style.finish(fig, path, "Left: rigid grains at rest are not drawn; a cross is a collapse. Middle: far below the limit rigid grains show the "
+                 "error of "
                  "their solver only. Right: points stand beside the load, so that both methods can be seen.", runs)
 
 

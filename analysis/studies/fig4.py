@@ -54,7 +54,8 @@ def draw(runs, rows, path):
             _loop(axis, run)
         axes[0].set_ylabel(r"stress $\sigma_2/P_0$")
         _strains(axes[-1], pandas.DataFrame(rows))
-        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded (dashed); note the scales of the strain. Right: a point a "
+        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded (dashed); note the scales of the strain. Right: a "
+                     "point a "
                      "packing, large: dense, small: loose. Rigid contacts at rest show the error of the solver: two tolerances, two levels.", runs)
 
 

@@ -130,7 +130,8 @@ def draw(runs, rows, path):
         axis.legend(loc="best", fontsize=6.5)
     axes[0].set_yscale("log")
     axes[2].set_ylim(0, None)
-    style.finish(fig, path, "Points: packings; lines: medians over seeds. The left edge is mu = 0. Only samples found admissible by an independent check.", runs)
+    style.finish(fig, path, "Points: packings; lines: medians over seeds. The left edge is mu = 0. Only samples found "
+                 "admissible by an independent check.", runs)
 
 
 def _line(axis, medians, edge, **look):

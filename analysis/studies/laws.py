@@ -47,7 +47,8 @@ def draw(runs, rows, path):
     table = table.assign(case=[rf"$\Delta\sigma$ = {load:g}, " + ("$10\\,P_0$" if pressure > 1e-3 else f"{period:g} s")
                                for load, pressure, period in zip(table.dSigma, table["P0/k_n"], table.period)])
     markers = dict(zip(table.case.unique(), "osDv"))
-    for axis, (name, words) in zip(axes, (("strain over standard", "strain after all cycles"), ("late rate over standard", "strain of a late cycle"))):
+    for axis, (name, words) in zip(axes, (("strain over standard", "strain after all cycles"),
+                                          ("late rate over standard", "strain of a late cycle"))):
         other = table[table.law != LAWS[0]]
         other = other.assign(ratio=other[name], standard=(other[OVER[name]] / other[name]).abs(), own=other[OVER[name]].abs())
         for (law, case), part in other.groupby(["law", "case"]):

@@ -1,4 +1,5 @@
-"""Late transient strain: strain a cycle against the load over the static limit, for springs of three stiffnesses and for rigid contacts on the same packings."""
+"""Late transient strain: strain a cycle against the load over the static limit, for springs of three stiffnesses and for rigid contacts on
+the same packings."""
 import numpy as np
 import pandas
 

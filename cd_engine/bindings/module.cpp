@@ -76,8 +76,7 @@ cd::ContactSystem<cd::Plane> bodySystem(const py::tuple& arrays, const py::objec
 		c.pt = p[2 * i + 1];
 	}
 	s.assembleBlocks();
-	s.contacts.compliant
-	    = !s.contacts.empty() && std::all_of(s.contacts.begin(), s.contacts.end(), [](const auto& c) { return c.compliant(); });
+	s.contacts.compliant = !s.contacts.empty() && std::all_of(s.contacts.begin(), s.contacts.end(), [](const auto& c) { return c.compliant(); });
 	return s;
 }
 

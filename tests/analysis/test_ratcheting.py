@@ -18,7 +18,8 @@ def springs(power, noise=0.0):
 
 def test_the_power_of_the_stiffness_is_told_from_that_of_the_load():
     found, error, slope = ratcheting.power(springs(-1.0), "rate")
-    assert found == pytest.approx(-1, abs=1e-10) and error == pytest.approx(0, abs=1e-10) and slope == pytest.approx(5)  # round-off of a least-squares fit
+    # Round-off of a least-squares fit.
+    assert found == pytest.approx(-1, abs=1e-10) and error == pytest.approx(0, abs=1e-10) and slope == pytest.approx(5)
 
 
 def test_seeds_that_differ_in_their_power_give_its_standard_error():

@@ -2,7 +2,7 @@
 import math
 
 import pytest
-from yade import utils, wrapper as w
+from yade import wrapper as w
 
 import cd_engine
 

@@ -14,7 +14,8 @@ def loaded_contacts():
 
 
 def stored_energy(loaded=False):
-    """Return the elastic energy [J] of the springs of eqs. 5 and 6; loaded: of a scene at rest that has just been loaded, where overlaps are not known.
+    """Return the elastic energy [J] of the springs of eqs. 5 and 6; loaded: of a scene at rest that has just been loaded, where overlaps are not
+    known.
 
     It is computed from the overlap, since the normal force includes the dashpot. An opening contact still has spring energy when its dashpot pulls
     harder than its spring pushes.

@@ -90,7 +90,8 @@ class BodyProblem:
         # sqrt(M^-1) on either side, so that W is symmetric to the last bit.
         H = sparse.diags(np.sqrt(self.inverse_masses.ravel())) @ H
         H.eliminate_zeros()  # a body that does not move couples none of its contacts
-        return Problem(H.T @ H + sparse.diags(self.compliances) if self.compliances.any() else H.T @ H, self.velocities(np.zeros(2 * self.contacts)), self.mu)
+        w = H.T @ H
+        return Problem(w + sparse.diags(self.compliances) if self.compliances.any() else w, self.velocities(np.zeros(2 * self.contacts)), self.mu)
 
     def _normals(self):
         """Return a (3N, n) matrix: column i holds the forces and torques on all bodies of a unit impulse along the normal of contact i."""

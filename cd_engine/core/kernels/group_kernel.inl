@@ -108,7 +108,10 @@ INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
 
 INLINE Bodies gather(const PackedBody* bodies, const int32_t* i) { return gather<1>(bodies, i); }
 
-INLINE CentralContact<Vector> contactOf(const Group& g, int lane) { return { load(g.nx + lane), load(g.ny + lane), load(g.at + lane), load(g.bt + lane) }; }
+INLINE CentralContact<Vector> contactOf(const Group& g, int lane)
+{
+	return { load(g.nx + lane), load(g.ny + lane), load(g.at + lane), load(g.bt + lane) };
+}
 template <class T> INLINE Friction<Vector> frictionOf(const T& g, int lane) { return { load(g.mu + lane) }; }
 INLINE Motion<Vector> motionOf(const Bodies& v) { return { v.vx, v.vy, v.spin }; }
 template <class W> INLINE void push(const Action<Vector>& of, Bodies& a, const W& wa, Bodies& b, const W& wb)

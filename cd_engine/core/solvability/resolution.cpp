@@ -93,7 +93,8 @@ Resolution resolution(const DelassusSystem& s)
 		const double pn = s.p[2 * i], pt = s.p[2 * i + 1];
 		energy += pn * n + pt * t;
 		terms += std::abs(pn) * sizes[0] + std::abs(pt) * sizes[1];
-		sum.add(static_cast<int32_t>(i), s.blocks[s.diagonal[i]].nn, n + s.q[2 * i], s.q[2 * i], sizes[0] + std::abs(s.q[2 * i]), pn, pt * pt);
+		sum.add(
+		    static_cast<int32_t>(i), s.blocks[s.diagonal[i]].nn, n + s.q[2 * i], s.q[2 * i], sizes[0] + std::abs(s.q[2 * i]), pn, pt * pt);
 	}
 	sum.found.indefinite = energy < -sixDigits * terms;
 	return sum.result();
