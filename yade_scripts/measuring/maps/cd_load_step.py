@@ -34,7 +34,7 @@ def probe(case):
     p0 = parameters.pressure(full)
     walls.set_free(full["wall_mass_ratio"] * bodies.mean_mass())
     scene = scenes.Scene(every=STEPS, samples=1)
-    cd.set_engines(full, scene, lambda t: (p0, (1 + RISE) * p0))
+    cd.set_engines(full, scene, {"goals": (-p0, -(1 + RISE) * p0, 0)})
     hooks.simulate(STEPS)
     engine = hooks.engine("ContactDynamics")
     strain = [now / length - 1 for now, length in zip(walls.sides(), before)]
