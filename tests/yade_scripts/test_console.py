@@ -35,7 +35,7 @@ def test_console_is_ready_for_o_run(yade60):
                 ("O.run(100, True); print('made', 2 * O.iter, contact_dynamics.converged)", "made 200 True"),
                 ("s = start(friction=0.2); O.run(30, True); print('still', 2 * O.iter, contact_dynamics.tolerance > 0)", "still 60 True"),
                 ("print(len(help.__class__.__name__), 'To set' in cd_engine.ContactDynamics.__doc__, plot.__name__)", "True yade.plot"),
-                ("s = start(method='MD'); O.run(70, True); print('now', 2 * O.iter, len(O.engines), row['friction'])", r"now 140 \d 0.2"),
+                ("s = start(method='MD'); O.run(70, True); print('now', 2 * O.iter, len(O.engines), row['friction'])", r"now 140 \d+ 0.2"),
                 ("s = start(scene='cradle', gap=0.1, disks=3); s = start(scene='stack'); print('gap' in row, row['scene'])", "False stack"),
                 ("s = start(friktion=0.2); print('kept', 2 * O.iter, row['scene'])", r"did you mean friction[\s\S]*kept 0 stack"),
                 ("s = start(scene='nope'); print('same', row['scene'])", r"scene = 'nope': must be one of [\s\S]*same stack")):
