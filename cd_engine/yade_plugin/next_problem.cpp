@@ -41,12 +41,15 @@ py::tuple ContactDynamics::nextProblem()
 	}
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Whatever has a memory is a copy here: this engine and the scene do not change.
-	const cd::StepSettings<cd::Plane> settings = this->settings(now);
+	if (inSpace)
+		throw SceneError("ContactDynamics.exportProblem: the scene is solved in space, and only problems in the plane are written. Build "
+				 "the problem by cd_engine.core.SpaceBodyProblem");
+	const cd::StepSettings<cd::Plane> settings = this->settings<cd::Plane>(now);
 	std::mutex alone;
 	std::vector<int> ids = referenceIds, order = bodyOrder;
 	std::vector<double> overlaps = referenceOverlaps;
 	double length = bodyOrderLength;
-	SceneLink copy;
+	SceneLink<cd::Plane> copy;
 	copy.stiffness = stiffnessSettings();
 	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
 	copy.setValues(readPairValues());

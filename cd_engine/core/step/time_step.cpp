@@ -125,7 +125,7 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 	while (!attempt(world, step, report)) { }
 	if (report.solver.status != Status::diverged && report.outran.empty()) { // else nothing is changed
 		if (const int32_t i = report.solver.contact; i >= 0)
-			report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
+			report.unsolvable = { world.pairs[finder.pairs()[i]].a, world.pairs[finder.pairs()[i]].b };
 		report.contacts = static_cast<int>(finder.pairs().size());
 		report.maxPenetration = finder.deepest();
 		report.dissipated += report.effort.stopped;
@@ -150,9 +150,10 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 template <class Space> void TimeStep<Space>::locateBack(const World& world, double dt)
 {
 	motion.placeBack(world, dt);
-	finder.locateAll(world, motion.places());
+	finder.locateAll(world, motion);
 }
 
 template class TimeStep<Plane>;
+template class TimeStep<Space3>;
 
 } // namespace cd
