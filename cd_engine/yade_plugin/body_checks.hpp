@@ -19,8 +19,7 @@ inline bool isSame(const boost::weak_ptr<yade::Body>& known, const Shared<yade::
 inline void mustBeFinite(int id, const char* what, const Vector3r& v)
 {
 	if (!((v[0] * 0 + v[1] * 0 + v[2] * 0) == 0)) // one test: a product with 0 is 0 unless a factor is infinite or NaN
-		refuseBody(
-		    id, text("has ", what, " that is not a number"), "Look for what set O.bodies[#] to it, or for a failed step before");
+		refuseBody(id, text("has ", what, " that is not a number"), "Look for what set O.bodies[#] to it, or for a failed step before");
 }
 
 inline void mustBeFinite(int id, const Vector3r& position, const Vector3r& velocity, const Vector3r& spin)

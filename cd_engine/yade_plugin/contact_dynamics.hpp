@@ -46,10 +46,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	};
 	template <class Space> Course<Space>& course();
 	// Calls use(course) with the one in use.
-	template <class Use> auto onCourse(const Use& use)
-	{
-		return inSpace ? use(courseInSpace) : use(courseInPlane);
-	}
+	template <class Use> auto onCourse(const Use& use) { return inSpace ? use(courseInSpace) : use(courseInPlane); }
 	void chooseSpace();
 	void takeToSpace(const LeavesPlane&);
 	double nextTolerance() const;

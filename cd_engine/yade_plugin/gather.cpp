@@ -167,7 +167,8 @@ template <class Space> void SceneLink<Space>::takeReferences(const Memory& memor
 }
 
 // read: whether the scene has been read; searched: whether the list of pairs is new; reordered: whether its order is new.
-template <class Space> void SceneLink<Space>::gatherPairs(yade::Scene* scene, const Memory& memory, bool read, bool searched, bool reordered, Sleepers& sleepers)
+template <class Space>
+void SceneLink<Space>::gatherPairs(yade::Scene* scene, const Memory& memory, bool read, bool searched, bool reordered, Sleepers& sleepers)
 {
 	// `listed` holds on to its interactions, so that a new one cannot get an old one's address.
 	bool taken = reordered || (read && (outdated || interactionsOf(scene) != listed));
@@ -350,8 +351,9 @@ template <class Space> void SceneLink<Space>::setStiffness(Sleepers& sleepers)
 		sleepers.wakeAll(world, { "stiffnesses of contacts have changed", -1 });
 }
 
-template <class Space> void SceneLink<Space>::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin,
-    TimeStep& step, const std::vector<double>& outran)
+template <class Space>
+void SceneLink<Space>::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin, TimeStep& step,
+    const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
 	for (const int id : driven) // all of them, since a refusal writes them back

@@ -5,6 +5,10 @@
 namespace cd_engine {
 namespace {
 
+	const char* const inSpaceOnly
+	    = "ContactDynamics.exportProblem: the scene is solved in space, and only problems in the plane are written. Build the "
+	      "problem by cd_engine.core.SpaceBodyProblem";
+
 	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
 	py::tuple bodyArrays(const cd::ContactSystem<cd::Plane>& system)
 	{
@@ -42,8 +46,7 @@ py::tuple ContactDynamics::nextProblem()
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Whatever has a memory is a copy here: this engine and the scene do not change.
 	if (inSpace)
-		throw SceneError("ContactDynamics.exportProblem: the scene is solved in space, and only problems in the plane are written. Build "
-				 "the problem by cd_engine.core.SpaceBodyProblem");
+		throw SceneError(inSpaceOnly);
 	const cd::StepSettings<cd::Plane> settings = this->settings<cd::Plane>(now);
 	std::mutex alone;
 	std::vector<int> ids = referenceIds, order = bodyOrder;
@@ -53,7 +56,11 @@ py::tuple ContactDynamics::nextProblem()
 	copy.stiffness = stiffnessSettings();
 	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
 	copy.setValues(readPairValues());
-	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
+	try {
+		copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
+	} catch (const LeavesPlane&) {
+		throw SceneError(inSpaceOnly);
+	}
 	if (handover && copy.world.compliant())
 		copy.forgetOverlaps();
 	else if (handover)

@@ -75,8 +75,8 @@ template <> void SceneLink<cd::Plane>::checkMotion(int id)
 			refuseBody(id, "belongs to a clump", releaseClump);
 		if (!kindOf(bodies[id].shape))
 			refuseShape(id, bodies[id].shape); // to set its freedoms would not help
-		throw LeavesPlane {
-			text("body #", id, " is free to leave the ", frame.name(), " plane, in which other bodies are kept, so the scene is solved in space"),
+		throw LeavesPlane { text("body #", id, " is free to leave the ", frame.name(),
+					" plane, in which other bodies are kept, so the scene is solved in space"),
 			text("Set O.bodies[", id, "].state.blockedDOFs='", frame.blocks(), "' to keep it in the plane.") };
 	}
 	if (velocity[frame.normal] != 0 || spin[frame.x] != 0 || spin[frame.y] != 0)

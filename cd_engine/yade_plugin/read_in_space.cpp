@@ -113,7 +113,8 @@ template <> bool SceneLink<cd::Space3>::readShape(int id, cd::SpaceBody& body)
 		if (spin[0] != 0 || spin[1] != 0 || spin[2] != 0)
 			refuseBody(id, "is a wall with an angular velocity", "Set O.bodies[#].state.angVel to 0, or use a Box, which can turn");
 		if (shape.axis < 0 || shape.axis > 2)
-			refuseBody(id, text("is a wall with the axis ", shape.axis), "Set O.bodies[#].shape.axis to 0, 1 or 2, the axis it is perpendicular to");
+			refuseBody(id, text("is a wall with the axis ", shape.axis),
+			    "Set O.bodies[#].shape.axis to 0, 1 or 2, the axis it is perpendicular to");
 	}
 	orient(id);
 	return true;

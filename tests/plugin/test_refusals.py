@@ -84,8 +84,6 @@ def turning_wall(attribute, value):
 
 
 @pytest.mark.parametrize("spoil, words", [
-    (change("blockedDOFs", ""), ["#1", "leave the x-y plane", "zXY"]),
-    (change("blockedDOFs", "zX"), ["#1", "leave the x-y plane"]),
     (change("vel", (NAN, 0, 0)), ["#1", "velocity", "not a number"]),
     (change("angVel", (0, 0, NAN)), ["#1", "has an angular velocity", "not a number"]),
     (change("pos", (0, math.inf, 0)), ["#1", "position", "not a number"]),

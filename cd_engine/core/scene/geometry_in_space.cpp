@@ -34,7 +34,10 @@ namespace {
 		return { std::copysign(1., d[face]) * box.part[face], depth, false }; // over a face, or inside: then the nearest face
 	}
 
-	SpaceFoot footOnWall(const SpaceShape& wall, double side, const Vector3& centre) { return { unit(wall.axis, side), side * centre[wall.axis], false }; }
+	SpaceFoot footOnWall(const SpaceShape& wall, double side, const Vector3& centre)
+	{
+		return { unit(wall.axis, side), side * centre[wall.axis], false };
+	}
 
 	// The point of a triangle nearest to p (Ericson 2005, Real-Time Collision Detection, section 5.1.5). feature: it is on an edge or a corner.
 	Vector3 nearestOnTriangle(const Vector3* corner, const Vector3& p, bool& feature)

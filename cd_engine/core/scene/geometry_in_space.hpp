@@ -22,10 +22,7 @@ struct SpaceFoot {
 // centre: that of the sphere, from the position of the boundary [m].
 SpaceFoot footOnBoundary(const SpaceShape&, const Vector3& centre);
 
-inline SpaceTouch touchAt(const Vector3& n, double gap, const SpacePlace& sphere)
-{
-	return { n, sphere.at - (sphere.radius + 0.5 * gap) * n, -gap };
-}
+inline SpaceTouch touchAt(const Vector3& n, double gap, const SpacePlace& sphere) { return { n, sphere.at - (sphere.radius + 0.5 * gap) * n, -gap }; }
 
 // `shape` is the shape of `a` as it stands at its place. It is read only if `a` is a boundary.
 inline SpaceFoot locateFoot(const SpacePlace& a, const SpacePlace& b, const SpaceShape& shape)

@@ -24,7 +24,8 @@ void HiddenFeatures::list(const WorldOf<Space3>& world)
 	for (std::size_t k = 0; k < pairs; k++)
 		if (const Pair& pair = world.pairs[k]; isBoundary(world.bodyOf(pair.a)) && isGuided(world.bodyOf(pair.a)))
 			near.push_back({ pair.b, static_cast<int32_t>(k) });
-	std::sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.sphere != b.sphere ? a.sphere < b.sphere : a.pair < b.pair; });
+	std::sort(
+	    near.begin(), near.end(), [](const Near& a, const Near& b) { return a.sphere != b.sphere ? a.sphere < b.sphere : a.pair < b.pair; });
 }
 
 bool HiddenFeatures::covers(const Standing& s, std::size_t other, std::size_t index, double dt) const

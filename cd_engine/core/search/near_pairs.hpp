@@ -15,10 +15,10 @@ struct NearPair {
 	int32_t a, b; // a: the boundary if there is one, else the smaller number
 };
 
-// Each shape has a bounding box, enlarged by its margin. In every row of cells along x that this box covers, the shape is entered in its first cell, and
-// compared with those that are entered in its cells after it; two that share several rows are compared in the first. The cells are kept in a
-// hash table with at least one slot an entry. Distant cells may share a slot, so one far away costs nothing. Shapes that cover many cells are
-// compared with all others.
+// Each shape has a bounding box, enlarged by its margin. In every row of cells along x that this box covers, the shape is entered in its first cell,
+// and compared with those that are entered in its cells after it; two that share several rows are compared in the first. The cells are kept in a hash
+// table with at least one slot an entry. Distant cells may share a slot, so one far away costs nothing. Shapes that cover many cells are compared
+// with all others.
 template <class Space> class NearPairsOf {
 	using World = WorldOf<Space>;
 	static constexpr int axes = Space::components;

@@ -67,10 +67,10 @@ template <class Space> class PairSearchOf {
 };
 using PairSearch = PairSearchOf<Plane>;
 
-// The first of the shapes `some` that has left the scene, -1: none. A body has left if it is further from the smallest rectangle, in space the smallest box, around the scene
-// than its diagonal and than 50 of its own radii, if it moves away, and if no force or Wall brings it back. The scene is the
-// boundaries, fixed disks among them, and the disks that do not leave these; without boundaries of finite size, all bodies but `some`. So a whole
-// group that leaves is noticed. Looks at all bodies if `some` is not empty.
+// The first of the shapes `some` that has left the scene, -1: none. A body has left if it is further from the smallest rectangle, in space the
+// smallest box, around the scene than its diagonal and than 50 of its own radii, if it moves away, and if no force or Wall brings it back. The scene
+// is the boundaries, fixed disks among them, and the disks that do not leave these; without boundaries of finite size, all bodies but `some`. So a
+// whole group that leaves is noticed. Looks at all bodies if `some` is not empty.
 template <class Space> int leftBehind(const WorldOf<Space>&, const std::vector<std::size_t>& some);
 
 } // namespace cd

@@ -30,7 +30,8 @@ namespace {
 	}
 
 	uint64_t alongCurve(const uint32_t (&cell)[2]) { return alongCurve(cell[0], cell[1]); }
-	// The same of 2^16 cells a side in space (Skilling 2004, Programming the Hilbert curve: axes to transpose, then its bits one after the other).
+	// The same of 2^16 cells a side in space (Skilling 2004, Programming the Hilbert curve: axes to transpose, then its bits one after the
+	// other).
 	uint64_t alongCurve(const uint32_t (&of)[3])
 	{
 		uint32_t x[3] = { of[0], of[1], of[2] };

@@ -205,7 +205,8 @@ namespace {
 		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated>,
 		    inSpace<accelerated> },
 		{ "newton", solved<ContactSystem<Plane>, newton>, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
-		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic>, inSpace<accelerated> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic>,
+		    inSpace<accelerated> },
 	};
 
 	const Entry& find(const std::string& method)

@@ -43,8 +43,7 @@ namespace {
 		if (!(c.pn > 0))
 			return { 0, storedBefore, 0, 0 };
 		const double normal = c.bias + c.cn * c.pn, overlap = (c.pn - dashpot * c.bias * resists / kn) / resists;
-		const double tangential
-		    = c.px * (c.slipX + c.ct * c.px) + c.py * (c.slipY + c.ct * c.py) + c.pz * (c.slipZ + c.ct * c.pz);
+		const double tangential = c.px * (c.slipX + c.ct * c.px) + c.py * (c.slipY + c.ct * c.py) + c.pz * (c.slipZ + c.ct * c.pz);
 		return { 0.5 * kn * overlap * overlap + 0.5 * c.ct * tangentialSquare(impulseOf(c)), storedBefore, c.pn * normal + tangential,
 			h * dashpot * normal * normal };
 	}
@@ -75,7 +74,8 @@ namespace {
 
 	// Calls give(body, impulse) for both bodies of a contact.
 	template <class Give>
-	void giveBoth(const Pair& pair, const BodyMotion<Space3>& motion, const SpaceTouch& touch, const SpatialComponents<double>& p, const Give& give)
+	void giveBoth(
+	    const Pair& pair, const BodyMotion<Space3>& motion, const SpaceTouch& touch, const SpatialComponents<double>& p, const Give& give)
 	{
 		const Vector3 on = p.n * touch.n + frictionOf(p);
 		for (const int side : { -1, 1 }) {

@@ -19,8 +19,8 @@ template <> class Account<Space3> {
 	bool sparedRows() const { return false; }
 
     private:
-	void bookSleeping(const WorldOf<Space3>&, const StepView<Space3>&, const ContactFinder<Space3>&, const ContactRows<Space3>&, Sleepers<Space3>&,
-	    StepReport&);
+	void bookSleeping(const WorldOf<Space3>&, const StepView<Space3>&, const ContactFinder<Space3>&, const ContactRows<Space3>&,
+	    Sleepers<Space3>&, StepReport&);
 
 	std::vector<Impulse> sums;
 	bool known = false;

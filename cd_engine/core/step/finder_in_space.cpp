@@ -120,7 +120,8 @@ bool ContactFinder<Space3>::stopAtFaces(const StepView<Space3>& step, BodyMotion
 			const Pair& pair = step.world.pairs[i];
 			const SpacePlace& b = step.place(pair.b);
 			SpaceFoot face;
-			if (!isBoundary(step.place(pair.a)) || b.radius - meetings[i].overlap > 0.5 * motion.ways(pair) || !isThrough(step, pair, face))
+			if (!isBoundary(step.place(pair.a)) || b.radius - meetings[i].overlap > 0.5 * motion.ways(pair)
+			    || !isThrough(step, pair, face))
 				continue;
 			const BodyVelocity<Space3>& v = step.bodies[pair.b];
 			const double back = (b.radius - face.distance) / mobility(v, face.n);

@@ -137,8 +137,7 @@ void BodyMotion<Space3>::shift(int32_t sphere, const Vector3& by)
 	placeOf[sphere].at = placeOf[sphere].at + by;
 }
 
-bool BodyMotion<Space3>::finish(
-    WorldOf<Space3>& world, double h, const std::vector<BodyVelocity<Space3>>& bodies, Threads& threads) const
+bool BodyMotion<Space3>::finish(WorldOf<Space3>& world, double h, const std::vector<BodyVelocity<Space3>>& bodies, Threads& threads) const
 {
 	const bool implicit = world.compliant();
 	const auto move = [&](std::size_t from, std::size_t to) {

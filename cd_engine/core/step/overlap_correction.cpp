@@ -29,8 +29,7 @@ bool OverlapCorrection<Space>::isDue(const WorldOf<Space>& world, const StepSett
 	return s.overlapCorrection > 0 && finder.deepest() > s.allowedOverlap * smallestRadius(world);
 }
 
-template <class Space>
-void OverlapCorrection<Space>::sweep(const Row& c, std::size_t contact, const std::vector<BodyVelocity<Space>>& masses)
+template <class Space> void OverlapCorrection<Space>::sweep(const Row& c, std::size_t contact, const std::vector<BodyVelocity<Space>>& masses)
 {
 	MotionOf<Space>&a = displacement[c.a], &b = displacement[c.b];
 	const double misses = least[contact] - relativeVelocity<false>(c, a, b).n, before = multiplier[contact];

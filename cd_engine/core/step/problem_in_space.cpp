@@ -39,9 +39,8 @@ namespace {
 		c.cn = 1 / (h * resists);
 		c.ct = kt > 0 ? 1 / (kt * h * h) : 0;
 		const SpaceCarried& carried = step.world.carried[pair];
-		const Vector3 held = carried.normalForce() > 0
-		    ? -c.ct * h * frictionNow(step, step.world.pairs[pair], carried, { c.nx, c.ny, c.nz })
-		    : Vector3 { 0, 0, 0 };
+		const Vector3 held = carried.normalForce() > 0 ? -c.ct * h * frictionNow(step, step.world.pairs[pair], carried, { c.nx, c.ny, c.nz })
+							       : Vector3 { 0, 0, 0 };
 		c.slipX = held.x;
 		c.slipY = held.y;
 		c.slipZ = held.z;
@@ -53,7 +52,8 @@ namespace {
 	double armOf(const StepView<Space3>& step, int32_t body, double overlap)
 	{
 		const BodyVelocity<Space3>& b = step.bodies[body];
-		const bool still = std::all_of(b.w + 3, b.w + 6, [](double w) { return w == 0; }) && std::all_of(b.v + 3, b.v + 6, [](double v) { return v == 0; });
+		const bool still = std::all_of(b.w + 3, b.w + 6, [](double w) { return w == 0; })
+		    && std::all_of(b.v + 3, b.v + 6, [](double v) { return v == 0; });
 		return isBoundary(step.place(body)) || still ? 0 : step.place(body).radius - 0.5 * overlap;
 	}
 
@@ -120,7 +120,8 @@ void ProblemBuilder<Space3>::demandRebound(
 	const double* const a = c.a < count ? step.world.bodies[c.a].v : step.bodies[c.a].v;
 	const double un = relativeVelocity<false>(c, motionOf<Space3>(a), motionOf<Space3>(step.world.bodies[c.b].v)).n;
 	const int32_t pair = finder.pairs()[contact];
-	const double gap = finder.gap(step.world, pair), e = step.world.restitutions.empty() ? step.settings.restitution : step.world.restitutions[pair];
+	const double gap = finder.gap(step.world, pair),
+		     e = step.world.restitutions.empty() ? step.settings.restitution : step.world.restitutions[pair];
 	const bool hit = e > 0 && un < 0 && gap + turned + step.dt() * un <= 0, parts = e > 0 && gap <= 0 && un > 0;
 	const double rebound = hit || parts ? e * un : std::numeric_limits<double>::quiet_NaN();
 	rebounds.set(contact, c.bias, rebound);
@@ -128,8 +129,7 @@ void ProblemBuilder<Space3>::demandRebound(
 		c.bias = Rebounds<Space3>::bias(c.bias, rebound);
 }
 
-void ProblemBuilder<Space3>::fill(
-    const StepView<Space3>& step, const ContactFinder<Space3>& finder, ContactSystem<Space3>& system, std::size_t first)
+void ProblemBuilder<Space3>::fill(const StepView<Space3>& step, const ContactFinder<Space3>& finder, ContactSystem<Space3>& system, std::size_t first)
 {
 	addPoints(step, finder, system, first);
 	std::vector<ContactRow<Space3>>& rows = system.contacts.all();
@@ -168,7 +168,9 @@ void ProblemBuilder<Space3>::guessAgain(
 	for (std::size_t i = 0; i < system.contacts.size(); i++) {
 		ContactRow<Space3>& c = system.contacts[i];
 		const auto pair = static_cast<std::size_t>(finder.pairs()[i]);
-		setImpulse(c, warm && i < finder.foundFirst() && c.wnn > 0 ? guess(step, pair, { c.nx, c.ny, c.nz }) : SpatialComponents<double> { 0, 0, 0, 0 });
+		setImpulse(c,
+		    warm && i < finder.foundFirst() && c.wnn > 0 ? guess(step, pair, { c.nx, c.ny, c.nz })
+								 : SpatialComponents<double> { 0, 0, 0, 0 });
 	}
 }
 
