@@ -17,23 +17,20 @@ namespace {
 		return mu > 0 && tangentialSquare(p) >= most * most;
 	}
 
-	// Energies of the springs of contacts, members of StepReport [J].
-	struct Springs {
-		double stored = 0, before = 0, absorbed = 0, dashpots = 0;
+	using Energies = SpringEnergies<double>; // members of StepReport [J]
+	Energies operator+(const Energies& a, const Energies& b)
+	{
+		return { a.stored + b.stored, a.before + b.before, a.absorbed + b.absorbed, a.dashpots + b.dashpots };
+	}
 
-		Springs operator+(const Springs& o) const
-		{
-			return { stored + o.stored, before + o.before, absorbed + o.absorbed, dashpots + o.dashpots };
-		}
-	};
 	struct Totals {
 		int loaded = 0, sliding = 0;
 		double dissipated = 0, work = 0; // [J]
-		Springs springs {};
+		Energies springs {};
 	};
 
 	// What the springs of a contact take in a step h, as in the plane.
-	Springs springsOf(const ContactRow<Space3>& c, double kn, double h)
+	Energies energiesOf(const ContactRow<Space3>& c, double kn, double h)
 	{
 		if (!(c.wnn > 0))
 			return {};
@@ -116,8 +113,8 @@ void Account<Space3>::book(WorldOf<Space3>& world, const StepView<Space3>& step,
 			const int32_t index = finder.pairs()[i];
 			const Pair& pair = world.pairs[index];
 			const SpatialComponents<double> p = impulseOf(c);
-			const Springs springs = world.compliant() ? springsOf(c, world.stiffnesses[index].kn, step.dt()) : Springs {};
-			sum.springs = sum.springs + Springs { 0, springs.before, 0, 0 };
+			const Energies springs = world.compliant() ? energiesOf(c, world.stiffnesses[index].kn, step.dt()) : Energies {};
+			sum.springs = sum.springs + Energies { 0, springs.before, 0, 0 };
 			if (p.n <= 0) {
 				release(pair, world.carried[index], sleepers);
 				continue;
@@ -132,7 +129,7 @@ void Account<Space3>::book(WorldOf<Space3>& world, const StepView<Space3>& step,
 			sum.sliding += !asleep && slides(pair.mu, p);
 			sum.dissipated -= work + springs.absorbed;
 			sum.work += std::abs(work);
-			sum.springs = sum.springs + Springs { asleep ? 0 : springs.stored, 0, springs.absorbed, springs.dashpots };
+			sum.springs = sum.springs + Energies { asleep ? 0 : springs.stored, 0, springs.absorbed, springs.dashpots };
 		}
 		return sum;
 	};
@@ -182,7 +179,7 @@ void Account<Space3>::bookSleeping(const WorldOf<Space3>& world, const StepView<
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, impulseOf(c));
 			if (world.compliant())
-				asleep->stored += springsOf(c, world.stiffnesses[index].kn, step.dt()).stored;
+				asleep->stored += energiesOf(c, world.stiffnesses[index].kn, step.dt()).stored;
 		}
 		if (asleep || c.pn > 0)
 			giveBoth(pair, step.motion, finder.touch(step, index), impulseOf(c), [&](int32_t body, const Impulse& impulse) {
