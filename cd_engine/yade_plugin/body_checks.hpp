@@ -74,15 +74,18 @@ inline void readPermanentForce(int id, Vector3r& force, Vector3r& torque)
 	torque = any ? py::extract<Vector3r>(lasting.attr("permT")(id))() : Vector3r::Zero();
 }
 
-// None if a shape is none of the three. The address of a shape identifies nothing, because a new shape may get the address of an old one.
+// None if a shape is none of these. The address of a shape identifies nothing, because a new shape may get the address of an old one.
 inline std::optional<cd::ShapeKind> kindOf(const void* shape)
 {
-	static Kind isSphere { "Sphere", Kind::exactly }, isBox { "Box", Kind::exactly }, isWall { "Wall", Kind::exactly };
+	static Kind isSphere { "Sphere", Kind::exactly }, isBox { "Box", Kind::exactly }, isWall { "Wall", Kind::exactly },
+	    isFacet { "Facet", Kind::exactly };
 	if (isSphere(shape))
 		return cd::ShapeKind::disk;
 	if (isBox(shape))
 		return cd::ShapeKind::box;
-	return isWall(shape) ? std::optional(cd::ShapeKind::wall) : std::nullopt;
+	if (isWall(shape))
+		return cd::ShapeKind::wall;
+	return isFacet(shape) ? std::optional(cd::ShapeKind::facet) : std::nullopt;
 }
 
 [[noreturn]] inline void refuseShape(int id, const void* shape)
@@ -91,7 +94,7 @@ inline std::optional<cd::ShapeKind> kindOf(const void* shape)
 	const std::string name = className(shape);
 	if (name == "Clump")
 		refuseBody(id, "is a clump", releaseClump);
-	refuseBody(id, "has the shape " + name, "Only Sphere (a disk), Box and Wall are known; replace or erase it");
+	refuseBody(id, "has the shape " + name, "Only Sphere, Box, Wall and Facet are known; replace or erase it");
 }
 
 } // namespace cd_engine

@@ -1,4 +1,5 @@
 #include "../bindings/python.hpp"
+#include "body_checks.hpp"
 #include "contact_dynamics.hpp"
 #include "waiting.hpp"
 
@@ -175,14 +176,18 @@ void ContactDynamics::chooseSpace()
 		if (!body || !body_state(body))
 			continue;
 		const unsigned blocked = state_blockedDOFs(body_state(body));
-		leaves = leaves < 0 && keepsNoPlane(blocked) ? id : leaves;
+		const bool isFacet = body_shape(body) && kindOf(body_shape(body).get()) == cd::ShapeKind::facet;
+		leaves = leaves < 0 && (keepsNoPlane(blocked) || isFacet) ? id : leaves;
 		kept = kept || (!keepsNoPlane(blocked) && (blocked & 63) != 63);
 	}
 	if (leaves < 0)
 		return;
 	if (kept)
-		takeToSpace({ text("body #", leaves, " is free to leave the plane in which other bodies are kept, so the scene is solved in space"),
-		    text("Set O.bodies[", leaves, "].state.blockedDOFs, 'zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z, to keep it in the plane.") });
+		takeToSpace({ text("body #", leaves,
+				  " is free to leave the plane in which other bodies are kept, or a Facet, so the scene is solved in space"),
+		    text("Set O.bodies[", leaves,
+			"].state.blockedDOFs, 'zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z, to keep it in the plane, where Box and "
+			"Wall are known.") });
 	else
 		takeToSpace({});
 }

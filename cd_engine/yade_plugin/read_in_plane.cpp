@@ -181,6 +181,9 @@ template <> bool SceneLink<cd::Plane>::readShape(int id, cd::Body& body)
 	const auto kind = kindOf(bodies[id].shape);
 	if (!kind)
 		refuseShape(id, bodies[id].shape);
+	if (*kind == cd::ShapeKind::facet)
+		throw LeavesPlane { text("body #", id, " is a Facet, which is known in space only, so the scene is solved in space"),
+			"Use Box or Wall to keep it in the plane." };
 	cd::Shape& shape = world.shapes[id];
 	if (shape.kind != *kind) {
 		shape = {};

@@ -15,6 +15,22 @@ namespace {
 		return v + q[3] * twice + cross(axis, twice);
 	}
 
+	// Returns whether the facet has an area. If not, as some in a mesh from a file, its edges are those of others.
+	bool readCorners(int id, void* shape, std::array<cd::Vector3, 3>& corners)
+	{
+		const std::vector<Vector3r>& vertices = facet_vertices(shape);
+		if (vertices.size() != 3)
+			refuseBody(id, "is a facet without three vertices", "Make it by utils.facet");
+		for (int k = 0; k < 3; k++) {
+			mustBeFinite(id, "a vertex", vertices[k]);
+			corners[k] = read(vertices[k]);
+		}
+		constexpr double flat = 1e-12; // its area, over the square of its longest edge
+		const cd::Vector3 sides[] = { corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2] };
+		return length(cross(sides[0], sides[1]))
+		    > flat * std::max({ dot(sides[0], sides[0]), dot(sides[1], sides[1]), dot(sides[2], sides[2]) });
+	}
+
 } // namespace
 
 template <> void SceneLink<cd::Space3>::findFrame(yade::BodyContainer&) { pull = gravity; }
@@ -82,6 +98,9 @@ template <> void SceneLink<cd::Space3>::orient(int id)
 	if (shape.kind == cd::ShapeKind::box)
 		for (int k = 0; k < 3; k++)
 			shape.part[k] = turned(q, { k == 0 ? 1. : 0., k == 1 ? 1. : 0., k == 2 ? 1. : 0. });
+	else if (shape.kind == cd::ShapeKind::facet)
+		for (int k = 0; k < 3; k++)
+			shape.part[k] = turned(q, corners[id][k]);
 }
 
 // Boundaries turn only as prescribed: contacts of bodies that turn freely off their centres would need a row with all of their inertia.
@@ -104,9 +123,13 @@ template <> bool SceneLink<cd::Space3>::readShape(int id, cd::SpaceBody& body)
 	if ((state_blockedDOFs(known.state) & 56) != 56)
 		refuseBody(id, text("is a ", className(known.shape), " that is free to turn"),
 		    "In space boundaries move along axes or turn as prescribed: add 'XYZ' to O.bodies[#].state.blockedDOFs");
+	bool joins = true;
 	if (*kind == cd::ShapeKind::box)
 		shape.half = read(extentsOf(id, known.shape));
-	else {
+	else if (*kind == cd::ShapeKind::facet) {
+		corners.resize(bodies.size());
+		joins = readCorners(id, known.shape, corners[id]);
+	} else {
 		const Vector3r& spin = state_angVel(known.state);
 		shape.axis = wall_axis(known.shape);
 		shape.sense = senseOf(id, known.shape);
@@ -117,7 +140,7 @@ template <> bool SceneLink<cd::Space3>::readShape(int id, cd::SpaceBody& body)
 			    "Set O.bodies[#].shape.axis to 0, 1 or 2, the axis it is perpendicular to");
 	}
 	orient(id);
-	return true;
+	return joins;
 }
 
 } // namespace cd_engine

@@ -191,6 +191,7 @@ template <class Space> class SceneLink {
 	std::vector<const void*> materials; // vtables of the classes of materials that have been met
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
+	std::vector<std::array<cd::Vector3, 3>> corners; // of the facets, in their own axes [m]; empty if there are none
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
 	std::vector<Shared<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
 	cd::PairSearchOf<Space> search;

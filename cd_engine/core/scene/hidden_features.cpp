@@ -32,21 +32,25 @@ bool HiddenFeatures::covers(const Standing& s, std::size_t other, std::size_t in
 {
 	const Pair &pair = s.world.pairs[index], &by = s.world.pairs[other];
 	const SpacePlace& sphere = s.places[pair.b];
-	const double small = flush * sphere.radius, nearer = s.meetings[other].overlap - s.meetings[index].overlap;
-	if (nearer < -small)
+	const SpaceMeeting &here = s.meetings[index], &there = s.meetings[other];
+	const double small = flush * sphere.radius;
+	if (there.overlap < here.overlap - small)
 		return false;
-	// The point of the contact.
-	const Vector3 point = sphere.at - (sphere.radius - s.meetings[index].overlap) * s.meetings[index].n;
-	const SpaceFoot on = footOnBoundary(s.shapes[by.a], point - s.places[by.a].at);
-	if (on.distance > small)
+	// The points of both contacts, from the sphere's centre.
+	const Vector3 arm = -(sphere.radius - here.overlap) * here.n, otherArm = -(sphere.radius - there.overlap) * there.n, point = sphere.at + arm;
+	if (footOnBoundary(s.shapes[by.a], point - s.places[by.a].at).distance > small)
 		return false;
-	if (nearer <= small) { // as near: a face comes before a feature, else the lower number
+	// Of two different points the nearer one counts. If they are the same, a face comes before a feature, else the lower number.
+	if (length(otherArm - arm) > small) {
+		if (there.overlap <= here.overlap)
+			return false;
+	} else {
 		const bool feature = isFeature(s, pair), otherFeature = isFeature(s, by);
 		if (feature != otherFeature ? otherFeature : by.a > pair.a)
 			return false;
 	}
 	const auto speed = [&](const Pair& of) { return velocityAt(s.world.bodyOf(of.a), point - s.places[of.a].at); };
-	return dt * dot(speed(pair) - speed(by), s.meetings[other].n) <= small; // else it comes out
+	return dt * dot(speed(pair) - speed(by), there.n) <= small; // else it comes out
 }
 
 bool HiddenFeatures::isHidden(const Standing& s, std::size_t index, double dt) const

@@ -30,6 +30,14 @@ namespace {
 		return *middle;
 	}
 
+	// Whether the surfaces of a boundary and a disk are further apart than `most`. In the plane their boxes decide, which may be nearer.
+	bool isFar(const Body&, const Shape&, const Body&, double) { return false; }
+	bool isFar(const SpaceBody& a, const SpaceShape& shape, const SpaceBody& b, double most)
+	{
+		const SpaceFoot foot = footOnBoundary(shape, b.at - a.at);
+		return foot.distance - b.radius > most;
+	}
+
 	bool mayTouch(int32_t p, int32_t q, int32_t apart) { return (p & q) != 0 && !(p == q && (p & apart) != 0); }
 
 } // namespace
@@ -177,6 +185,12 @@ void NearPairsOf<Space>::compare(const World& world, const std::vector<double>& 
 	}
 	if (!mayTouch(world.masks[a], world.masks[b], world.apart))
 		return;
+	if (isBoundary(p) || isBoundary(q)) {
+		const int32_t boundary = isBoundary(p) ? a : b, disk = isBoundary(p) ? b : a;
+		if (isFar(world.bodyOf(boundary), world.shapes[boundary], world.bodyOf(disk),
+			margins[a] + margins[b] + roundOff * world.bodyOf(disk).radius))
+			return;
+	}
 	const bool turned = !isBoundary(p) && (isBoundary(q) || b < a);
 	found.push_back(turned ? NearPair { 0, b, a } : NearPair { 0, a, b });
 }
