@@ -1,10 +1,13 @@
 """Contact problems in space: files, the error, the law of one contact, and solutions of random scenes, all against formulas of their own."""
+from dataclasses import replace
+
 import h5py
 import numpy as np
 import pytest
 from scipy import sparse
 
 from cd_engine import core
+from cd_engine.core.files.space_bodies import tangents
 from yade_scripts.measuring.benchmark import space_scenes
 
 
@@ -147,7 +150,7 @@ def test_bodies_and_rows_have_one_solution():
 
 @pytest.mark.parametrize("change", [
     dict(arms=lambda x: x + 0.1), dict(inverse_inertias=lambda x: x * np.array([1, 1, 1.1])[:, None] * np.eye(3)), dict(bias=lambda x: x - 2),
-    dict(compliance=lambda x: x + 1), dict(inverse_masses=lambda x: x * [1, 1, 1.1])])
+    dict(compliances=lambda x: x + [0, 1]), dict(inverse_masses=lambda x: x * [1, 1, 1.1])])
 def test_what_is_not_for_sweeps_over_spheres(change):
     right = space_scenes.scene("spheres", 5, 0.5, 1)
     fields = vars(right) | {name: change(vars(right)[name]) for name, change in change.items()}
@@ -156,12 +159,46 @@ def test_what_is_not_for_sweeps_over_spheres(change):
 
 def test_bodies_and_their_matrix_agree():
     bodies = space_scenes.scene("capsules", 8, 0.3, 2)
-    bodies.compliance[:, 0], bodies.compliance[:, 1] = 0.1, 0.2
+    bodies.compliances[:, 0], bodies.compliances[:, 1] = 0.1, 0.2
     problem, p = bodies.delassus(), np.random.default_rng(1).normal(0, 1, 3 * bodies.contacts)
     assert np.allclose(bodies.velocities(p), problem.velocities(p), rtol=1e-12)
     assert abs(problem.W - problem.W.T).max() == 0 and np.linalg.eigvalsh(problem.W.toarray())[0] > 0.09
     report = core.solve(bodies)
     assert report.converged and error_of(problem, report.impulses) < 1e-8
+
+
+def sprung(problem, kh2):
+    """The problem with springs at all contacts: k h^2 times W_nn is `kh2`, of both springs; their forces before the step differ."""
+    C = np.repeat(problem._own()[:, :1] / kh2, 2, axis=1)
+    draw = np.random.default_rng(1)
+    return replace(problem, compliances=C, slip_bias=draw.normal(0, 0.1, C.shape), bias=problem.bias - draw.uniform(0, 0.2, len(C)))
+
+
+@pytest.mark.parametrize("kind, mu", [("spheres", 0.3), ("boxes", 0.8), ("capsules", 1.5)])
+@pytest.mark.parametrize("kh2", [0.1, 1.0, 100.0])
+def test_springs_at_contacts(kind, mu, kh2):
+    """Sweeps over spheres and over rows find the same impulses, since W + C has one solution where the springs are soft."""
+    problem = sprung(space_scenes.scene(kind, 40, mu, 2, 1e3), kh2)
+    assert (problem.spheres() is not None) == (kind == "spheres")
+    over_bodies, over_rows = core.solve(problem), core.solve(problem.delassus())
+    for report in (over_bodies, over_rows):
+        assert report.converged and error_of(problem.delassus(), report.impulses) <= 1.001e-8
+    if kh2 <= 1:
+        assert np.allclose(over_bodies.impulses, over_rows.impulses, atol=1e-6 * np.abs(over_rows.impulses).max())
+
+
+def test_a_sphere_on_a_spring():
+    """Pressed into a floor and pushed aside, by hand: p = -h k (g + h u_n) and the friction of its spring, or mu p."""
+    h, k, kt, m, g, push, before = 1e-2, 3e4, 2e4, 2.0, -1e-3, 4.0, 5.0
+    for mu, slides in ((10.0, False), (0.05, True)):
+        normal = np.array([0.36, 0.48, 0.8])
+        t = tangents(normal[None])[0][0]
+        problem = core.SpaceBodyProblem([[0, 0, 0], [1 / m] * 3], [0, 0], [[0] * 6, [*(push * h / m * t), 0, 0, 0]], [[0, 1]], [normal], [[0] * 6],
+                                        [g / h], [mu], [[1 / (k * h * h), 1 / (kt * h * h)]], [[before / (kt * h), 0]])
+        p = core.solve(problem, tolerance=1e-13).impulses
+        u = np.array([p[0] / m, push * h / m + p[1] / m, p[2] / m])
+        assert p[0] == pytest.approx(-h * k * (g + h * u[0]), rel=1e-12)
+        assert p[1] == pytest.approx(-mu * p[0] if slides else -h * before - kt * h * h * u[1], rel=1e-12) and abs(p[2]) < 1e-12
 
 
 @pytest.mark.parametrize("wrong, words", [
@@ -170,7 +207,7 @@ def test_bodies_and_their_matrix_agree():
     (dict(inverse_inertias=lambda x: -x - np.eye(3)), "negative eigenvalue"),
     (dict(arms=lambda x: x[:, :4]), r"arms has the shape"),
     (dict(inverse_masses=lambda x: 0 * x, inverse_inertias=lambda x: 0 * x), "neither of its bodies"),
-    (dict(compliance=lambda x: x - 1), "compliance.*negative")])
+    (dict(compliances=lambda x: x - 1), "compliances.*negative")])
 def test_wrong_bodies_are_refused(wrong, words):
     right = space_scenes.scene("boxes", 5, 0.5, 1)
     fields = vars(right) | {name: change(vars(right)[name].copy()) for name, change in wrong.items()}
