@@ -1,13 +1,16 @@
 """Contact problems in space: files, the error, the law of one contact, and solutions of random scenes, all against formulas of their own."""
+import ctypes
 from dataclasses import replace
 
 import h5py
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.optimize import linprog
 
 from cd_engine import core
 from cd_engine.core.files.space_bodies import tangents
+from tests import needs
 from yade_scripts.measuring.benchmark import space_scenes
 
 
@@ -225,6 +228,33 @@ def test_what_cannot_be_solved_is_proven():
     assert report.status == "no_solution" and report.bodies in ((0, 1), (1, 2))
 
 
+@pytest.mark.parametrize("kind", ["spheres", "boxes"])
+def test_no_solution_is_said_where_linear_programming_says_so(kind):
+    """Heaps whose floor rises into lids that stand still. Contacts can stop closing if some u = W p + q has no negative normal part."""
+    draw, known = np.random.default_rng(4), []
+    for seed in range(12):
+        heap = space_scenes.scene(kind, 6, draw.choice([0, 0.3, 0.8]), seed)
+        above = heap.pairs[(heap.pairs[:, 0] == len(heap.inverse_masses) - 1) & (heap.normals[:, 2] > 0.9), 1]
+        lids = draw.choice(above if seed % 4 == 1 and len(above) else np.unique(heap.pairs)[:-1], 1 + seed % 3)
+        free = np.vstack([heap.free_velocities, np.zeros((1, 6))])
+        free[-2, 2] = 0.3 * (seed % 2)
+        problem = core.SpaceBodyProblem(
+            np.vstack([heap.inverse_masses, np.zeros((1, 3))]), np.concatenate([heap.inverse_inertias, np.zeros((1, 3, 3))]), free,
+            np.vstack([heap.pairs, [[body, len(free) - 1] for body in lids]]), np.vstack([heap.normals, [[0, 0, 1]] * len(lids)]),
+            np.vstack([heap.arms, [[0, 0, 1, 0, 0, 0]] * len(lids)]), np.concatenate([heap.bias, np.zeros(len(lids))]),
+            np.concatenate([heap.mu, np.full(len(lids), 0.3)])).delassus()
+        W, q = problem.W.toarray(), problem.q
+        # The least closing that velocities can have.
+        best = linprog(np.append(np.zeros(len(q)), 1), np.column_stack([-W[::3], -np.ones(problem.contacts)]), q[::3],
+                       bounds=[(None, None)] * len(q) + [(0, None)])
+        possible = best.x[-1] < 1e-9
+        report = core.solve(problem, tolerance=1e-8, max_iterations=20000)
+        assert report.status != "no_solution" if possible else not report.converged
+        known.append((possible, report.status))
+    assert (False, "no_solution") in known and (True, "converged") in known
+    assert all(status == "no_solution" for possible, status in known if not possible)
+
+
 @pytest.fixture
 def problem():
     return space_scenes.skewed(space_scenes.scene("capsules", 5, 0.4, 3).delassus(), 1e-3, 1)
@@ -260,6 +290,26 @@ def test_siconos_text_in_blocks(tmp_path, problem):
     options.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = 1
     numerics.fc3d_driver(theirs, r, u, options)
     assert np.allclose(u, problem.velocities(r))
+
+
+class FclibSolution(ctypes.Structure):
+    """struct fclib_solution."""
+    _fields_ = [(name, ctypes.POINTER(ctypes.c_double)) for name in "vurl"]
+
+
+def test_libfclib_s_own_error_of_a_solution(tmp_path, problem):
+    """It reads the unsymmetric W that was written, and finds that the impulses solve the problem; those of the transpose do not."""
+    library = needs.libfclib()
+    library.fclib_read_local.restype = ctypes.c_void_p
+    library.fclib_merit_local.restype = ctypes.c_double
+    core.write_problem(tmp_path / "a.hdf5", problem)
+    theirs = ctypes.c_void_p(library.fclib_read_local(str(tmp_path / "a.hdf5").encode()))
+
+    def error(p):
+        arrays = [(ctypes.c_double * len(p))(*x) for x in (0 * p, problem.velocities(p), p, 0 * p)]
+        return library.fclib_merit_local(theirs, 0, ctypes.byref(FclibSolution(*(ctypes.cast(x, ctypes.POINTER(ctypes.c_double)) for x in arrays))))
+    p, transposed = (core.solve(core.Problem(W, problem.q, problem.mu, 3), tolerance=1e-11).impulses for W in (problem.W, problem.W.T))
+    assert error(p) < 1e-9 and error(transposed) > 1e-5
 
 
 def write_global(path, M, H, f, w, mu, nz, order="siconos"):

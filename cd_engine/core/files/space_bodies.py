@@ -142,8 +142,14 @@ class SpaceBodyProblem:
 
     def _own(self):
         """Return the diagonal of W without compliance, (n, 3)."""
-        H = self._directions()
-        return np.asarray((H.multiply(self._inverse_mass() @ H)).sum(axis=0)).reshape(-1, 3)
+        directions = np.stack([self.normals, *tangents(self.normals)], axis=1)
+        own = np.zeros((self.contacts, 3))
+        for k in (0, 1):
+            body = self.pairs[:, k]
+            turned = np.cross(self.arms[:, None, 3 * k:3 * k + 3], directions)
+            own += np.einsum("nj,nij->ni", self.inverse_masses[body], directions**2)
+            own += np.sum(turned @ self.inverse_inertias[body] * turned, axis=2)
+        return own
 
     def _directions(self):
         """Return H, (6N, 3n): a column holds the forces and torques on all bodies of a unit impulse along a normal or a tangent."""

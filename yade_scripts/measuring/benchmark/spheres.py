@@ -1,8 +1,8 @@
 """Makes packings of spheres at rest under the load of three walls, and contact problems of their next step. Needs no YADE.
 
-Spheres of radius 0.7 to 1.3 are pushed apart at random places and then pressed together in steps of Contact Dynamics, with the friction PREPARED. Each
-step begins at rest, so that they creep into each other's gaps until nothing moves any more. Like the packings of a triaxial test they are as loose
-as this friction allows: many contacts are about to slide. x+, y+ and z+ carry the load 1 on each unit of area and have the mass of 2 N^(2/3) mean
+Spheres of radius 0.7 to 1.3 are pushed apart at random places and then pressed together in steps of Contact Dynamics, with the friction PREPARED,
+until the walls do not move any more. They are as loose as this friction allows, looser than what springs of the same friction would give: hardly more
+contacts than equilibrium needs, and many of them about to slide. x+, y+ and z+ carry the load 1 on each unit of area and have the mass of 2 N^(2/3) mean
 spheres; the walls are smooth. The problem is a step at rest with the load of y+ larger by MORE; its first guess is the solution without.
 """
 from dataclasses import replace
@@ -14,13 +14,16 @@ from cd_engine import core
 
 PREPARED = 0.3      # friction
 RADII = 0.7, 1.3
-FRACTION = 0.54     # of solid, before the walls move
+FRACTION = 0.48     # of solid, before the walls move
 APART = 200         # rounds of pushing apart, at most
-STEPS = 150         # at most
-FREE = 0.2          # how far a wall would move in a step if nothing resisted
-REST = 2e-4         # largest displacement of a wall in a step at rest
-ACCURATE = 1e-4     # error of the steps
-REACH = 0.3         # gap up to which two bodies may touch in a step
+STEPS = 120         # at most
+FREE = 0.2          # how far a wall would move in a step from rest if nothing resisted
+KEPT = 0.5          # of the velocities, from one step to the next
+REST = 5e-4         # largest displacement of a wall in a step at rest
+ACCURATE = 1e-3     # error of the steps
+MOST_SWEEPS = 300   # in a step
+SOFT = 1e-3         # compliance of the contacts in these steps, which then push overlaps apart; a mean sphere has the inverse mass 1
+REACH = 0.2         # gap up to which two bodies may touch in a step
 TOUCHING = 1e-3     # gap that counts as closed in the problem
 MORE = 0.002        # rise of the load of y+
 GUESSED = 1e-5      # error of the first guess
@@ -38,14 +41,15 @@ def packing(count, seed):
             break
         push = way * (0.55 * ((radii[i] + radii[j]) / distance - 1))[:, None]
         x = np.clip(x + _added(i, j, push, count), radii[:, None], sides - radii[:, None])
-    impulses = {}
+    impulses, moved = {}, np.zeros((count + 6, 6))
     for _ in range(STEPS):
         problem, pairs = _step(x, radii, sides, PREPARED, REACH)
+        problem.free_velocities += KEPT * moved
         guess = np.array([impulses.get(pair, (0, 0, 0)) for pair in pairs]).ravel() if impulses else None
-        report = core.solve(problem, "accelerated", ACCURATE, 2000, guess)
+        report = core.solve(problem, "accelerated", ACCURATE, MOST_SWEEPS, guess)
         impulses = {pair: p for pair, p in zip(pairs, report.impulses.reshape(-1, 3)) if p[0] > 0}
         moved = problem.body_velocities(report.impulses)
-        x = x + np.clip(moved[6:, :3], -FREE, FREE)
+        x = x + np.clip(moved[6:, :3], -REACH, REACH)
         change = moved[[1, 3, 5], [0, 1, 2]]
         sides = sides + change
         if np.abs(change).max() < REST:
@@ -75,7 +79,7 @@ def _added(i, j, push, count):
 
 
 def _step(x, radii, sides, mu, reach, closed=False):
-    """Return the problem of a step of length 1 from rest, and the pairs of its contacts. closed: all gaps count as closed."""
+    """Return the problem of a step of length 1 from rest, and the pairs of its contacts. closed: rigid contacts whose gaps count as closed."""
     i, j, way, distance = _near(x, radii, reach)
     order = np.lexsort((np.maximum(i, j), np.minimum(i, j)))
     i, j, way, distance = (array[order] for array in (i, j, way, distance))
@@ -96,10 +100,11 @@ def _step(x, radii, sides, mu, reach, closed=False):
     velocities = np.zeros((len(mass), 6))
     for wall, axis in ((1, 0), (3, 1), (5, 2)):
         inverse[wall, axis] = 1 / mass[wall]
-        velocities[wall, axis] = -FREE * sides.prod() / sides[axis] / (sides.prod()**(2 / 3))
+        velocities[wall, axis] = -FREE * sides.prod()**(1 / 3) / sides[axis]
     radius = np.concatenate([np.zeros(6), radii])
     arms = np.hstack([radius[pairs[:, :1]] * normals, -radius[pairs[:, 1:]] * normals])
     spin = np.concatenate([np.zeros(6), 2.5 / (radii**3 * radii**2)])
     friction = np.where(pairs[:, 0] < 6, 0, mu)
-    bias = np.zeros(len(gaps)) if closed else np.maximum(gaps, 0)
-    return core.SpaceBodyProblem(inverse, spin, velocities, pairs, normals, arms, bias, friction), list(map(tuple, pairs.tolist()))
+    soft = np.tile([0 if closed else SOFT, 0], (len(gaps), 1))
+    bias = np.zeros(len(gaps)) if closed else np.maximum(gaps, -REACH)
+    return core.SpaceBodyProblem(inverse, spin, velocities, pairs, normals, arms, bias, friction, soft), list(map(tuple, pairs.tolist()))
