@@ -20,7 +20,7 @@ namespace {
 
 	// As in cone_proximal.cpp: none is critical.
 	constexpr int sweepsAtStart = 100;
-	constexpr int rounds = 7; // from one start: 6300 sweeps
+	constexpr int rounds = 7; // from one start: some 10 000 sweeps
 	constexpr int factorizationsAtStart = 200; // limits of the first round; both double from round to round
 	constexpr double sigmaAtStart = 0.1, least = 1e-9, largest = 10;
 	constexpr double fall = 0.1, rise = 4; // factors on sigma, from one proximal problem to the next
