@@ -1,9 +1,9 @@
 """Makes packings of spheres at rest under the load of three walls, and contact problems of their next step. Needs no YADE.
 
 Spheres of radius 0.7 to 1.3 are pushed apart at random places and then pressed together in steps of Contact Dynamics, with the friction PREPARED,
-until the walls do not move any more. They are as loose as this friction allows, looser than what springs of the same friction would give: hardly more
-contacts than equilibrium needs, and many of them about to slide. x+, y+ and z+ carry the load 1 on each unit of area and have the mass of 2 N^(2/3) mean
-spheres; the walls are smooth. The problem is a step at rest with the load of y+ larger by MORE; its first guess is the solution without.
+until the walls do not move any more. They are about as loose as this friction allows: hardly more contacts than equilibrium needs, and many of them
+about to slide. x+, y+ and z+ carry the same load on each unit of area and have the mass of 2 N^(2/3) mean spheres; the walls are smooth. The problem
+is a step at rest with the load of y+ larger by MORE; its first guess is the solution without.
 """
 from dataclasses import replace
 
