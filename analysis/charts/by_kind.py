@@ -38,12 +38,12 @@ def draw(rows, folder, line):
     lines = min(2, len(kinds))
     fig, panels = plt.subplots(lines, math.ceil(len(kinds) / lines), figsize=(8.4, 2.8 * lines), sharex=True, sharey=True, squeeze=False)
     for axes, (kind, of_kind) in zip(panels.flat, kinds):
-        for method, colour in style.COLOUR.items():
+        for method, colour in table.COLOUR.items():
             own = of_kind[(of_kind.method == method) & of_kind.seconds.notna()]
             whole = own[own.solved == own.scenes]
-            axes.loglog(whole.accuracy, whole.seconds, color=colour, marker=style.MARKER[method], label=method)
+            axes.loglog(whole.accuracy, whole.seconds, color=colour, marker=table.MARKER[method], label=table.WORDS[method])
             for row in own[own.solved < own.scenes].itertuples():
-                axes.plot(row.accuracy, row.seconds, style.MARKER[method], color=colour, markerfacecolor="white")
+                axes.plot(row.accuracy, row.seconds, table.MARKER[method], color=colour, markerfacecolor="white")
                 axes.annotate(f"{row.solved} of {row.scenes}", (row.accuracy, row.seconds), (0, 6), textcoords="offset points",
                               fontsize=6.5, ha="center")
         count = of_kind.scenes.max()
