@@ -99,13 +99,13 @@ def usual(table):
 
 
 def draw(runs, rows, path):
-    """Draw a panel an experiment."""
+    """Draw a panel an experiment of which there are runs."""
     fig, axes = plt.subplots(2, 2, figsize=(10, 8))
     table = usual(pandas.DataFrame(rows))
-    _ramp(axes[0, 0], [run for run in runs if experiment(run) == RAMP and run.parameters["tangential_law"] == "standard"])
-    _late(axes[0, 1], table[table.experiment == LATE])
-    _survival(axes[1, 0], table[table.experiment == COLLAPSE])
-    _slow(axes[1, 1], [run for run in runs if experiment(run) == SLOW])
+    runs_of = summary.groups([run for run in runs if run.parameters["tangential_law"] == "standard"], experiment, ordered=False)
+    for axis, which, panel in zip(axes.flat, (RAMP, LATE, COLLAPSE, SLOW), (_ramp, _late, _survival, _slow)):
+        if which in runs_of:
+            panel(axis, runs_of[which], table[table.experiment == which])
     style.finish(fig, path, "Top left: one packing. Top right: a point a packing, full: a late cycle (11 to 20), hollow: the first; dotted: equal "
                  "to MD; rigid contacts at rest show the error of their solver. Below left: all packings. Below right: means of neighbouring cycles;"
                  " a line a packing.", runs)
@@ -114,7 +114,7 @@ def draw(runs, rows, path):
 LINE = {MD: dict(lw=3, alpha=0.6), SPRINGS: dict(lw=1.5, ls="--"), RIGID: dict(lw=1.5)}
 
 
-def _ramp(axis, runs):
+def _ramp(axis, runs, table):
     """Draw |gamma| of the first packing against the load over the limit."""
     for run in runs:
         if run.parameters["seed"] == min(other.parameters["seed"] for other in runs):
@@ -126,7 +126,7 @@ def _ramp(axis, runs):
     axis.legend(loc="upper left")
 
 
-def _late(axis, table):
+def _late(axis, runs, table):
     """Draw the strain of the first and of a late cycle of a packing against that of MD on it."""
     ends = []
     for name, full in (("rate", True), ("first cycle", False)):
@@ -141,7 +141,7 @@ def _late(axis, table):
     axis.legend()
 
 
-def _survival(axis, table):
+def _survival(axis, runs, table):
     """Draw the share of the packings that stand against the number of cycles."""
     for (load, medium), own in table.groupby(["dSigma", "medium"]):
         falls = np.sort(own["collapses after"].dropna())
@@ -155,7 +155,7 @@ def _survival(axis, table):
     axis.legend()
 
 
-def _slow(axis, runs):
+def _slow(axis, runs, table):
     """Draw the strain of a cycle, in means over windows of the cycles, against its number."""
     shades = style.shades(run.parameters["delta_sigma"] for run in runs)
     for run in runs:

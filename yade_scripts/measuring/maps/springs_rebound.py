@@ -12,8 +12,7 @@ MAP = Map(
     question="Up to which step does a contact rebound as its spring and dashpot do?",
     criterion="A disk hits a box at 0.1 m/s without gravity. Inaccurate: it leaves with a speed that differs from that of the exact spring and dashpot "
               "by more than 5 % of the speed of the impact. Unstable: faster than it came.",
-    remedy="Steps of 0.03 sqrt(m/k_n) or less rebound as springs do; MD does so with 0.2, so use MD for impacts and waves. Longer steps "
-           "damp, up to full rest, and never add energy.",
+    remedy="Longer steps damp rebounds, up to rest, and never add energy; the program does not warn. Use MD for the impacts and waves of springs.",
     x=Axis("omega_h", r"$dt\,\sqrt{k_n/m}$"), y=Axis("damping_ratio", "damping ratio"),
     measures={"rebound": "speed after the impact over that before", "exact": "the same of the exact spring and dashpot"},
     grid=lambda full: product(damping_ratio=DAMPING[full], omega_h=logarithmic(3e-3, 3, 9 if full else 4)),
