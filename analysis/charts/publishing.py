@@ -57,4 +57,5 @@ def _beside_maps(rows, figures, folder):
     """Return the boundaries and figures of the published maps in `folder` and of these, which take the place of the same ones."""
     old = publish.read_table(folder / "maps.csv")
     kept = old[~old["map"].isin({row["map"] for row in rows})]
-    return pandas.concat([kept, pandas.DataFrame(rows)], ignore_index=True), publish.read_json(folder / "maps.json", {"figures": dict})["figures"] | figures
+    drawn = publish.read_json(folder / "maps.json", {"figures": dict})["figures"]
+    return pandas.concat([kept, pandas.DataFrame(rows)], ignore_index=True), drawn | figures

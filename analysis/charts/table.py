@@ -1,8 +1,8 @@
 """The measured settings as a pandas table.
 
 A row: name (of its measurement), status (empty if finished), scene, kind, size (disks where that is varied, else 0), method (MD, CD, or SPRINGS:
-springs in Contact Dynamics), series, rank in it (0 the coarsest), setting, arguments (of yade_scripts/run.py), error, worst (the known quantity that has it), seconds (median of the repeats),
-fastest, slowest, steps, sweeps, unconverged_steps, disks. Numbers that a failed setting lacks are NaN.
+springs in Contact Dynamics), series, rank in it (0 the coarsest), setting, arguments (of yade_scripts/run.py), error, worst (the known quantity that
+has it), seconds (median of the repeats), fastest, slowest, steps, sweeps, unconverged_steps, disks. Numbers that a failed setting lacks are NaN.
 """
 import statistics
 from pathlib import Path

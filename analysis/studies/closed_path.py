@@ -30,7 +30,8 @@ def summarize(run):
     """Return the row of a run: force and work over the largest force k_t 2R A and the largest energy k_t (2R A)^2/2 of the spring."""
     row, force, work = run.parameters, run.known["left_force"], run.known["loop_work"]
     share = row["path_depth"] / 2  # of the units in which the scene gives the force
-    return {"law": row["tangential_law"] if run.method == "MD" else IMPLICIT, "path_depth": row["path_depth"], "path_angle": row["path_angle"], "period_s": row["period"],
+    law = row["tangential_law"] if run.method == "MD" else IMPLICIT
+    return {"law": law, "path_depth": row["path_depth"], "path_angle": row["path_angle"], "period_s": row["period"],
             "left_force": force.measured * share, "left_force_theory": force.exact * share,
             "loop_work": work.measured, "loop_work_theory": work.exact, "slides": int(run.values("sliding_contacts").max())}
 

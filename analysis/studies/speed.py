@@ -17,7 +17,7 @@ STEPS, FINEST = (0.4, 0.3, 0.1, 0.03), 0.01  # beyond 0.45 to 0.5 the springs ar
 # Stiffer springs answer faster, as 1/sqrt(k_n), so that their cycle may be shorter [s]; rigid grains that rest, rest at any rate.
 FASTER = {10: 0.316, 100: 0.1}
 # Springs in Contact Dynamics: the step, and the tolerance at one step.
-IMPLICIT, IMPLICIT_STEPS, IMPLICIT_TOLERANCES = RIGID | dict(cd_contacts="springs"), (5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4), (10.0**-4, 1e-2, 1.0)
+IMPLICIT, IMPLICIT_STEPS, IMPLICIT_TOLERANCES = RIGID | dict(cd_contacts="springs"), (5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4), (1e-4, 1e-2, 1.0)
 # 500 disks fall into a box: here nothing is at rest to begin with. The first of the settings of CD is the rigid truth.
 FILLING = dict(scene="filling", disks=500, period=1.0, seed=range(1, 9))
 FILLED = ((2.5e-4, 1e-3), (5e-4, 1e-4), (1e-3, 1e-3), (2e-3, 1e-2), (4e-3, 1e-2))
@@ -89,8 +89,8 @@ def _filling(key, group, filled):
 
 
 def draw(runs, rows, path):
-    """Draw error against processor time: a cycle with both references, and the filling. Lines: the least error of MD that costs no more, and of springs
-    in CD."""
+    """Draw error against processor time: a cycle with both references, and the filling. Lines: the least error of MD that costs no more, and of
+    springs in CD."""
     strain = r"error of $|\gamma|$ / that of springs of $k_n$"
     panels = [(CYCLE_SCENE, "rigid error", "one cycle; reference: rigid grains", strain),
               (CYCLE_SCENE, "elastic error", r"one cycle; reference: springs of $k_n$", strain),
@@ -134,17 +134,17 @@ def _looks(rows):
 
 
 def quantities(table):
-    cycle, filled = (table[table.scene == scene] for scene in (CYCLE_SCENE, FILLING_SCENE))
-    soft_in_cd = (table.method == "CD") & table["springs over k_n"].notna()
-    springs = cycle[cycle.method == "MD"].set_index(["period", "springs over k_n", "step"])
-    rigid = cycle[(cycle.method == "CD") & ~soft_in_cd].set_index(["period", "step", "tolerance"])
-    implicit = cycle[soft_in_cd].set_index(["springs over k_n", "step", "tolerance"]).sort_index()
+    kinds = table.method.where((table.method == "MD") | table["springs over k_n"].isna(), "springs in CD")
+    cycle, filled = (dict(list(own.groupby(kinds))) for own in (table[table.scene == scene] for scene in (CYCLE_SCENE, FILLING_SCENE)))
+    springs = cycle["MD"].set_index(["period", "springs over k_n", "step"])
+    rigid = cycle["CD"].set_index(["period", "step", "tolerance"])
+    implicit = cycle["springs in CD"].set_index(["springs over k_n", "step", "tolerance"]).sort_index()
     by_step = implicit.xs((1.0, parameters.SPRING_TOLERANCE), level=("springs over k_n", "tolerance"))
     usual, short, longest = CYCLE["period"], FASTER[100], STEPS[0]
     finest, soft, faster = springs.loc[usual, 1.0, FINEST], springs.loc[usual, 1.0, longest], springs.loc[short, 100.0, longest]
-    fine = filled[(filled.method == "CD") & ~soft_in_cd & (filled.step == 1e-3)].iloc[0]
-    box = filled[(filled.method == "MD") & (filled["springs over k_n"] == 2.5)].iloc[0]
-    boxes = filled[soft_in_cd].set_index(["springs over k_n", "step"])
+    fine = filled["CD"].set_index("step").loc[1e-3]
+    box = filled["MD"].set_index("springs over k_n").loc[2.5]
+    boxes = filled["springs in CD"].set_index(["springs over k_n", "step"])
     loose, hasty, strict = rigid.loc[usual, 5e-3, 1e-6], rigid.loc[short, 5e-3, 1e-6], rigid.loc[usual, 5e-3, 1e-8]
     assert rigid[rigid.index.get_level_values("tolerance") <= 1e-6]["elastic error"].min() > 0.98 and hasty["rigid error"] < loose["rigid error"]
     return locals()

@@ -130,7 +130,8 @@ def _late(axis, runs, table):
     """Draw the strain of the first and of a late cycle of a packing against that of MD on it."""
     ends = []
     for name, full in (("rate", True), ("first cycle", False)):
-        values = table.pivot_table(index=["dSigma", "packing"], columns="medium", values=name, dropna=False).reindex(columns=(MD, SPRINGS, RIGID)).abs()
+        values = table.pivot_table(index=["dSigma", "packing"], columns="medium", values=name, dropna=False)
+        values = values.reindex(columns=(MD, SPRINGS, RIGID)).abs()
         for medium in (SPRINGS, RIGID):
             axis.plot(values[MD], values[medium], ls="", marker=MARKER[medium], color=COLOUR[medium], mfc=None if full else "none", ms=5,
                       label=medium if full else None)
@@ -208,4 +209,4 @@ def quantities(table):
     cost = {medium: (rows.seconds / count).median() for medium, rows, count in ((MD, slow_md, OVERLAP), (SPRINGS, slow, SLOW_COUNT))}
     ends = slow.set_index(["dSigma", "packing"])[[_window(window) for window in WINDOWS]]
     faster = {which: 1 / _pairs(of(which, SPRINGS), of(which, MD), "seconds") for which in (RAMP, LATE)}
-    return locals() | {"window": _window}
+    return locals() | {"window": _window, "MD": MD, "SPRINGS": SPRINGS, "RIGID": RIGID}

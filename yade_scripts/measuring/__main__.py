@@ -28,7 +28,7 @@ def under_way(work):
 class Measurements(queue.Job):
     """The worker process of one chart or map. It is started again after a measurement that ended it."""
 
-    def __init__(self, kind, name, full, folder, more):
+    def __init__(self, kind, name, full, folder, **more):
         self.work = KINDS[kind].Work(name, full, pathlib.Path(folder), **more)
         settings = {"kind": kind, "name": name, "full": full, "folder": str(folder)} | more
         super().__init__("measuring/in_yade.py", ["worker", json.dumps(settings)], self.work.folder / f"{name}.log")
@@ -71,7 +71,7 @@ def main(arguments=None):
     if unknown := [name for name in options.only if name not in known]:
         raise ParameterError(f"there is no chart or map of {', '.join(unknown)}; there are {', '.join(known)}")
     results.make(options.results)
-    jobs = [Measurements(known[name], name, options.full, options.results, more) for name in options.only or known]
+    jobs = [Measurements(known[name], name, options.full, options.results, **more) for name in options.only or known]
     jobs.sort(key=lambda job: -job.work.limit)  # the longest first
     queue.run(jobs, options.jobs)
     for work in [job.work for job in jobs]:

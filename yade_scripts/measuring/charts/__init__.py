@@ -133,7 +133,8 @@ class Work:
         """series: beginning of the names of the series to measure."""
         self.name, self.folder = scene, results / FOLDER
         self.limit = LIMIT[full] * chart_of(scene).patience
-        self.settings = [one for one in settings(scene, full) if one.series.name.startswith(series)]  # several series may hold one row, such as the scene's defaults: it is measured once
+        # Several series may hold one row, such as the scene's defaults: it is measured once.
+        self.settings = [one for one in settings(scene, full) if one.series.name.startswith(series)]
 
     def left(self):
         """Return the settings without a measurement, or with one that ran out of a shorter time limit; of those with one name only the first."""

@@ -10,8 +10,8 @@ MAP = Map(
     group="Where springs in Contact Dynamics fail", order=12,
     title="Springs in Contact Dynamics: rebounds",
     question="Up to which step does a contact rebound as its spring and dashpot do?",
-    criterion="A disk hits a box at 0.1 m/s without gravity. Inaccurate: it leaves with a speed that differs from that of the exact spring and dashpot "
-              "by more than 5 % of the speed of the impact. Unstable: faster than it came.",
+    criterion="A disk hits a box at 0.1 m/s without gravity. Inaccurate: it leaves with a speed that differs from that of the exact spring and "
+              "dashpot by more than 5 % of the speed of the impact. Unstable: faster than it came.",
     remedy="Longer steps damp rebounds, up to rest, and never add energy; the program does not warn. Use MD for the impacts and waves of springs.",
     x=Axis("omega_h", r"$dt\,\sqrt{k_n/m}$"), y=Axis("damping_ratio", "damping ratio"),
     measures={"rebound": "speed after the impact over that before", "exact": "the same of the exact spring and dashpot"},

@@ -16,13 +16,14 @@ MAP = Map(
     title="Springs in Contact Dynamics: the step of a load cycle",
     question="How long a step does the strain of a load cycle allow, at which stiffness and load?",
     criterion="100 disks, one cycle of 1 s, tolerance 0.1; lines: also 1. Inaccurate: the strain at the peak of the load or the one that remains "
-              "differs from that with steps of 0.1 ms and a tolerance of 1e-3 by more than 1 % of the strain at the peak. Unstable: by more than 50 %. "
-              "Not solved: steps missed the tolerance.",
+              "differs from that with steps of 0.1 ms and a tolerance of 1e-3 by more than 1 % of the strain at the peak. Unstable: by more than "
+              "50 %. Not solved: steps missed the tolerance.",
     remedy="Long steps damp motion, and the program does not warn: halve the step and compare. Far from the static limit a cycle needs few steps; a "
-           "packing that yields, as the softest one under the largest load here, needs many, since the motion of its grains counts. Very stiff springs "
-           "strain so little in a step that the least tolerance of the solver shows: they need short steps, too.",
+           "packing that yields, as the softest one under the largest load here, needs many, since the motion of its grains counts. Very stiff "
+           "springs strain so little in a step that the least tolerance of the solver shows: they need short steps, too.",
     x=Axis("dt", "step dt [s] of a cycle of 1 s"), y=Axis("delta_sigma", r"load $\Delta\sigma$"), panels="stiffening",
-    measures={"peak_error": "strain at the peak, less the true one, over the latter", "rest_error": "the same of the strain that remains, over the peak's",
+    measures={"peak_error": "strain at the peak, less the true one, over the latter",
+              "rest_error": "the same of the strain that remains, over the peak's",
               "sweeps": "mean number of sweeps a step", "unconverged": "share of the steps that missed the tolerance"},
     grid=lambda full: product(stiffening=STIFFER[full], delta_sigma=LOADS[full], dt=logarithmic(2e-4, 0.25, 10 if full else 4),
                               tolerance=TOLERANCES[0]),
