@@ -49,7 +49,7 @@ def test_the_page_of_the_committed_run_is_one_command(root, tmp_path):
     assert page.stat().st_size < 2e6 and text.count("<figure>") == text.count("<figure><a href=")  # every picture leads to the full one
 
 
-@pytest.mark.parametrize("name", ("fig4", "force_networks", "implicit", "isostatic"))
+@pytest.mark.parametrize("name", ("fig4", "fig5", "force_networks", "isostatic"))
 def test_the_colours_of_a_picture_survive_on_the_page(name):
     read = lambda file: np.asarray(Image.open(file).convert("RGB"), dtype=int)
     figure = Image.open(FOLDER / f"{name}.png")
