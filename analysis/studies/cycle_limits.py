@@ -12,7 +12,7 @@ QUESTION = ("Limits of the load from linear programmes (python3 -m analysis limi
 ORDER = 3.2  # in the report
 CYCLES = 20
 LOADING = dict(loading="cosine", records_per_cycle=20, wall_mass_ratio=1.0, cycles=CYCLES)
-# Implicit springs in cycles of 2 s are quasi-static to 2 % (study implicit); MD has the shorter cycles and the step of Fig. 3, which make it affordable.
+# Slow for springs of k_n (study influence), at 200 steps a half cycle; MD has the shorter cycles and the step of Fig. 3, which make it affordable.
 SPRINGS = dict(method="CD", cd_contacts="springs", cd_dt=5e-3, period=2.0, **LOADING)
 RIGID = dict(method="CD", cd_dt=5e-3, period=2.0, tolerance=1e-8, **LOADING)
 MD = dict(method="MD", md_dt_factor=0.3, md_walls="force", period=0.5, **LOADING)
