@@ -15,7 +15,7 @@ from cd_engine import core
 
 GROWTH = {2: 1.05, 3: 1.2}  # of the sweeps between two checks of the error, by dimension; the time to a target is interpolated
 FEWEST = 4
-LOCAL = "ONECONTACT_NSN_GP_HYBRID"  # its fastest solver of one contact in space
+LOCAL = "ONECONTACT_NSN_GP_HYBRID"  # its solver of one contact in space, the usual choice of NSGS
 
 Point = namedtuple("Point", "sweeps seconds residual residual_max")  # how far a solution has come: e as 2-norm and as maximum
 
