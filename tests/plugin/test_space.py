@@ -1,5 +1,5 @@
-"""Scenes in space: solutions known in closed form, and what publishing, saving and threads must leave as it is. Each tolerance: round-off of the steps
-made, or the scheme's own order."""
+"""Scenes in space: solutions known in closed form, and what publishing, saving and threads must leave as it is. Each tolerance: round-off of the
+steps made, or the scheme's own order."""
 import math
 import random
 
