@@ -12,7 +12,7 @@ QUESTION = ("Limits of the load from linear programmes (python3 -m analysis limi
 ORDER = 3.2  # in the report
 CYCLES = 20
 LOADING = dict(loading="cosine", records_per_cycle=20, wall_mass_ratio=1.0, cycles=CYCLES)
-# Slow for springs of k_n (study influence), at 200 steps a half cycle; MD has the shorter cycles and the step of Fig. 3, which make it affordable.
+# Slow for springs of k_n (study influence), at 200 steps a half cycle. MD has the cycles and the step of Fig. 3, which make it affordable.
 SPRINGS = dict(method="CD", cd_contacts="springs", cd_dt=5e-3, period=2.0, **LOADING)
 RIGID = dict(method="CD", cd_dt=5e-3, period=2.0, tolerance=1e-8, **LOADING)
 MD = dict(method="MD", md_dt_factor=0.3, md_walls="force", period=0.5, **LOADING)
@@ -73,8 +73,8 @@ def draw(runs, rows, path):
     axes[0, 0].set_ylabel("slip of a contact in the last unloading / R")
     axes[1, 0].set_ylabel(r"$|\Delta\gamma|$ a cycle, late cycles")
     axes[0, 0].legend(fontsize=7)
-    style.finish(fig, path, f"A point a run of {CYCLES} cycles; small: loose packings; a cross at the top: a collapse. Late: the second half of the cycles.",
-                 runs)
+    style.finish(fig, path, f"A point a run of {CYCLES} cycles; small: loose packings; a cross at the top: a collapse. Late: the second half of the "
+                 "cycles.", runs)
 
 
 def quantities(table):

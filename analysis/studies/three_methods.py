@@ -33,7 +33,7 @@ def implicit(md, **more):
     return {name: value for name, value in md.items() if name not in ("md_dt_factor", "md_walls")} | IMPLICIT | more
 
 
-FINER, SLOW_STEP = dict(cd_dt=2.5e-4), dict(cd_dt=2.5e-3)
+FINER, SLOW_STEP = dict(cd_dt=2.5e-4), dict(cd_dt=2.5e-3)  # grains that rattle, as in a collapse, are damped by long steps
 LATE_THREE = (MD_LATE, implicit(MD_LATE), RIGID_LATE)
 ROWS = {"quick": [base | dict(seed=1, ramp_rate=fig5.QUICK, cycles=3) for base in (MD_RAMP, implicit(MD_RAMP), RIGID_RAMP)]
         + [base | dict(seed=1, delta_sigma=HIGHER, cycles=4) for base in LATE_THREE]
@@ -41,11 +41,11 @@ ROWS = {"quick": [base | dict(seed=1, ramp_rate=fig5.QUICK, cycles=3) for base i
         "full": [row for bases, more in (
             ((MD_RAMP, implicit(MD_RAMP), RIGID_RAMP), dict(seed=SEEDS)),
             (LATE_THREE, dict(delta_sigma=LATE_LOAD, seed=SEEDS)), (LATE_THREE, dict(delta_sigma=HIGHER, seed=FEW)),
-            ((collapse.SPRINGS, implicit(collapse.SPRINGS), RIGID_COLLAPSE), dict(delta_sigma=LIVES, seed=SEEDS))) for base in bases
+            ((collapse.SPRINGS, implicit(collapse.SPRINGS, **FINER), RIGID_COLLAPSE), dict(delta_sigma=LIVES, seed=SEEDS))) for base in bases
                  for row in product(**base, **more)]
         # The step's error, and how much MD itself changes with its tangential law.
         + product(**implicit(MD_LATE, **FINER), delta_sigma=LATE_LOAD, seed=FEW)
-        + product(**implicit(collapse.SPRINGS, **FINER), delta_sigma=LIVES[0], seed=SEEDS)
+        + product(**implicit(collapse.SPRINGS), delta_sigma=LIVES[0], seed=SEEDS)
         + product(**MD_RAMP | OTHER_LAW, seed=FEW) + product(**MD_LATE | OTHER_LAW, delta_sigma=LATE_LOAD, seed=FEW)
         + product(**collapse.SPRINGS | OTHER_LAW, delta_sigma=LIVES[0], seed=SEEDS)
         + product(**MD_SLOW, cycles=OVERLAP, delta_sigma=SLOW_LOADS, seed=FEW)
@@ -93,9 +93,15 @@ def _window(window):
     return "rate, cycle" + ("s %d to %d" % tuple(window) if window[0] < window[1] else f" {window[0]}")
 
 
+def other_step(table):
+    """Return which rows of late cycles and collapse show the step's error."""
+    step = table.experiment.map({LATE: FINER["cd_dt"], COLLAPSE: IMPLICIT["cd_dt"]})
+    return (table.medium == SPRINGS) & (table.step_s == step)
+
+
 def usual(table):
     """Return the rows of one law and step, over which the packings are compared."""
-    return table[(table.law == "standard") & (table.step_s != FINER["cd_dt"])]
+    return table[(table.law == "standard") & ~other_step(table)]
 
 
 def draw(runs, rows, path):
@@ -107,8 +113,8 @@ def draw(runs, rows, path):
         if which in runs_of:
             panel(axis, runs_of[which], table[table.experiment == which])
     style.finish(fig, path, "Top left: one packing. Top right: a point a packing, full: a late cycle (11 to 20), hollow: the first; dotted: equal "
-                 "to MD; rigid contacts at rest show the error of their solver. Below left: all packings. Below right: means of neighbouring cycles;"
-                 " a line a packing.", runs)
+                 "to MD. Below the limit rigid contacts show the error of their solver. Below left: all packings, full lines: the larger load. Below "
+                 "right: means of neighbouring cycles; a line a packing.", runs)
 
 
 LINE = {MD: dict(lw=3, alpha=0.6), SPRINGS: dict(lw=1.5, ls="--"), RIGID: dict(lw=1.5)}
@@ -187,7 +193,7 @@ def _lives(own, other):
 def quantities(table):
     of = lambda which, medium, rows=usual(table): rows[(rows.experiment == which) & (rows.medium == medium)]
     other = lambda which: table[(table.experiment == which) & (table.law != "standard")]
-    finer = lambda which: table[(table.experiment == which) & (table.step_s == FINER["cd_dt"])]
+    stepped = lambda which: table[(table.experiment == which) & other_step(table)]
     ramp = {threshold: _pairs(of(RAMP, SPRINGS), of(RAMP, MD), over(threshold)) for threshold in THRESHOLDS}
     ramp_laws = {threshold: _pairs(other(RAMP), of(RAMP, MD), over(threshold)) for threshold in THRESHOLDS}
     before = _pairs(of(RAMP, SPRINGS), of(RAMP, MD), "|gamma| at the limit")
@@ -195,14 +201,14 @@ def quantities(table):
     below = {medium: of(LATE, medium)[lambda rows: rows["load over limit"] < 0.96] for medium in (MD, SPRINGS, RIGID)}
     first, late = (_pairs(below[SPRINGS], below[MD], name) for name in ("first cycle", "rate"))
     all_first, all_late = (_pairs(of(LATE, SPRINGS), of(LATE, MD), name) for name in ("first cycle", "rate"))
-    fine_first, fine_late = (_pairs(finer(LATE), of(LATE, MD), name) for name in ("first cycle", "rate"))
+    fine_first, fine_late = (_pairs(stepped(LATE), of(LATE, MD), name) for name in ("first cycle", "rate"))
     law_first, law_late = (_pairs(other(LATE), of(LATE, MD), name) for name in ("first cycle", "rate"))
     rests = below[RIGID][["first cycle", "rate"]].abs().max().max()
     lives = {load: {medium: of(COLLAPSE, medium)[lambda rows: rows.dSigma == load] for medium in (MD, SPRINGS, RIGID)} for load in LIVES}
     standing = {load: {medium: int(rows.stands.notna().sum()) for medium, rows in own.items()} for load, own in lives.items()}
     medians = {load: {medium: rows["collapses after"].fillna(rows.stands).median() for medium, rows in own.items()} for load, own in lives.items()}
     same, harder = ({load: _lives(own[one], own[two]) for load, own in lives.items()} for one, two in ((SPRINGS, MD), (RIGID, SPRINGS)))
-    fine_lives, law_lives = (_lives(rows[rows.dSigma == LIVES[0]], lives[LIVES[0]][MD]) for rows in (finer(COLLAPSE), other(COLLAPSE)))
+    coarse_lives, law_lives = (_lives(rows[rows.dSigma == LIVES[0]], lives[LIVES[0]][MD]) for rows in (stepped(COLLAPSE), other(COLLAPSE)))
     chance = lambda counts: stats.binomtest(counts[0], counts[0] + counts[1]).pvalue
     slow_md, slow = of(SLOW, MD), of(SLOW, SPRINGS)
     slow_ratios = {window: _pairs(slow, slow_md, _window(window)) for window in WINDOWS if window[1] <= OVERLAP}
