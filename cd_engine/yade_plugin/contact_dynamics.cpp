@@ -199,6 +199,7 @@ cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene* of) const
 	s.reduce = reduce;
 	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
 	s.solve = cd::findSolver(method);
+	s.solveRolling = cd::findRollingSolver(method);
 	s.restTolerance = stiffnessSettings().rigid() ? tolerance : 100 * leastTolerance();
 	s.solver = { nextTolerance(), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
@@ -284,6 +285,9 @@ void ContactDynamics::advance()
 	link.world.apart = others.maskApart();
 	others.restCollider(scene);
 	link.gather(scene, weighs, settings.dt, memory(), checksOrder(), searchMargin, step, {});
+	if (link.world.rolls() && !settings.solveRolling)
+		throw SceneError("ContactDynamics: the method newton does not know the rolling resistance of a CohFrictMat. Set method='auto', or "
+				 "etaRoll to 0");
 	const bool takesOver = handover;
 	if (takesOver)
 		takeOverlaps();

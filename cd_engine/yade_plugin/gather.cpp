@@ -183,11 +183,14 @@ cd::Carried SceneLink::readForce(std::size_t index, bool turned)
 	}
 	if (known.geom != geom)
 		known.geom = geom;
-	if (known.phys != phys)
+	if (known.phys != phys) {
 		known.phys = phys;
+		known.holdMoment = isCohFrictPhys(phys.get());
+	}
 	const Vector3r &n = geom_normal(geom), &fn = phys_normalForce(phys), &ft = phys_shearForce(phys);
 	const int x = plane.x, y = plane.y;
-	return { n[x], n[y], { fn[x], fn[y] }, { ft[x], ft[y] }, -1 };
+	const double moment = known.holdMoment ? plane.turn * cohPhys_moment(phys)[plane.normal] : 0;
+	return { n[x], n[y], { fn[x], fn[y] }, { ft[x], ft[y] }, -1, moment };
 }
 
 // Reads the present force of every contact: three dependent look-ups in different memory lines, each prefetched before the next. A force that
@@ -310,6 +313,31 @@ void SceneLink::setStiffness(cd::Sleepers<cd::Plane>& sleepers)
 		sleepers.wakeAll(world, { "stiffnesses of contacts have changed", -1 });
 }
 
+// As YADE's Ip2_CohFrictMat_CohFrictMat_CohFrictPhys: the smaller one of eta R of the two, and for a boundary the disk's radius.
+cd::Rolling SceneLink::rollingOf(const cd::Pair& pair) const
+{
+	const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
+	const double rb = world.bodyOf(pair.b).radius, ra = isBoundary(world.bodyOf(pair.a)) ? rb : world.bodyOf(pair.a).radius;
+	const double kt = stiffness.rigid() ? 0 : stiffnessOf(pair).kt;
+	const double alpha = a.alphaKr > 0 && b.alphaKr > 0 ? 2 * a.alphaKr * b.alphaKr / (a.alphaKr + b.alphaKr) : 0;
+	return { std::min(a.etaRoll * ra, b.etaRoll * rb), alpha > 0 ? ra * rb * kt * alpha : 0 };
+}
+
+// Wakes all islands if the resistance of a pair has changed.
+void SceneLink::setRolling(cd::Sleepers<cd::Plane>& sleepers)
+{
+	const std::size_t count = anyRolls ? world.pairs.size() : 0;
+	bool changed = world.rollings.size() != count;
+	world.rollings.resize(count);
+	for (std::size_t i = 0; i < count; i++) {
+		const cd::Rolling now = rollingOf(world.pairs[i]);
+		changed = changed || !(now == world.rollings[i]);
+		world.rollings[i] = now;
+	}
+	if (changed)
+		sleepers.wakeAll(world, { "the rolling resistance of contacts has changed", -1 });
+}
+
 void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin,
     cd::TimeStep<cd::Plane>& step, const std::vector<double>& outran)
 {
@@ -349,6 +377,8 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	newValues = false;
 	if (!stiffness.rigid() || world.compliant())
 		setStiffness(step.sleepers);
+	if (anyRolls || world.rolls())
+		setRolling(step.sleepers);
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)

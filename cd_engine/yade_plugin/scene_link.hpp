@@ -46,6 +46,7 @@ struct KnownBody {
 	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
 	double young = 0, poisson = 0; // of its material [Pa], [1]
 	int material = -1; // its id in O.materials
+	double etaRoll = 0, alphaKr = 0; // of a CohFrictMat with momentRotationLaw [1]; else 0
 };
 void prefetchBody(const KnownBody&);
 
@@ -54,6 +55,7 @@ struct ForceObjects {
 	Shared<yade::IGeom> geom {}; // null: none, or of a class that cannot hold a contact's force
 	Shared<yade::IPhys> phys {};
 	bool real = false; // whether the interaction has objects now: these, or others if geom is null
+	bool holdMoment = false; // phys is a CohFrictPhys
 
 	bool inUse() const { return real && geom; }
 };
@@ -143,6 +145,7 @@ class SceneLink {
 	bool readBox(int id, cd::Shape&);
 	bool readWall(int id, cd::Shape&);
 	void readFriction(int id, void* mat);
+	void readRolling(int id, void* mat);
 	void warnOfPlacing(int id, double x, double y, long step);
 	void readMotion(int id, cd::Body&, yade::ForceContainer&) const;
 	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers<cd::Plane>&);
@@ -157,6 +160,9 @@ class SceneLink {
 	void setFriction(cd::Threads&);
 	void setStiffness(cd::Sleepers<cd::Plane>&);
 	cd::Stiffness stiffnessOf(const cd::Pair&) const;
+	void setRolling(cd::Sleepers<cd::Plane>&);
+	cd::Rolling rollingOf(const cd::Pair&) const;
+	bool rolls(std::size_t pair) const { return world.rolls() && world.rollings[pair].bound > 0; }
 	cd::Touch touchAfterStep(std::size_t pair) const;
 	void setPairFriction();
 	void setRestitution();
@@ -171,7 +177,13 @@ class SceneLink {
 
 	PairValues values;
 	bool newValues = false; // whether the pairs have other values
-	std::vector<const void*> materials; // vtables of the classes of materials that have been met
+	// A class of materials that has been met, by its vtable.
+	struct MaterialClass {
+		const void* vtable;
+		bool rolls; // it is a CohFrictMat
+	};
+	std::vector<MaterialClass> materials;
+	bool anyRolls = false; // whether a body of the scene has a material that resists rolling
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
@@ -179,7 +191,7 @@ class SceneLink {
 	cd::PairSearch search;
 	std::vector<yade::Interaction*> interactions; // of world.pairs; null: the pair has carried nothing yet
 	std::vector<ForceObjects> objects; // of world.pairs, as last read or published
-	std::vector<ForceObjects> pool; // of pairs that no longer exist, for reuse
+	std::vector<ForceObjects> pool, momentPool; // of pairs that no longer exist, for reuse; the second ones hold moments
 	std::vector<yade::Interaction*> parted; // of pairs that no longer exist, until the scene is published
 	bool inspecting = false; // the scene is only inspected, not changed
 	std::set<std::string> warned; // warnings that have been printed

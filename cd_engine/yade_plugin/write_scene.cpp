@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace cd_engine {
 namespace {
@@ -42,11 +43,16 @@ namespace {
 void SceneLink::recycle(ForceObjects&& o)
 {
 	static Kind isPlainGeom { "ScGeom", Kind::exactly }, isPlainPhys { "FrictPhys", Kind::exactly };
-	if (o.geom.use_count() == 1 && o.phys.use_count() == 1 && isPlainGeom(o.geom.get()) && isPlainPhys(o.phys.get())
-	    && (phys_kn(o.phys) == 0 || world.compliant())) {
-		phys_kn(o.phys) = phys_ks(o.phys) = 0;
-		pool.push_back(std::move(o));
-	}
+	static Kind isTurningGeom { "ScGeom6D", Kind::exactly }, isMomentPhys { "CohFrictPhys", Kind::exactly };
+	if (o.geom.use_count() != 1 || o.phys.use_count() != 1 || !(phys_kn(o.phys) == 0 || world.compliant()))
+		return;
+	const bool moment = isMomentPhys(o.phys.get());
+	if (moment ? !isTurningGeom(o.geom.get()) : !isPlainGeom(o.geom.get()) || !isPlainPhys(o.phys.get()))
+		return;
+	phys_kn(o.phys) = phys_ks(o.phys) = 0;
+	if (moment)
+		cohPhys_kr(o.phys) = 0;
+	(moment ? momentPool : pool).push_back(std::move(o));
 }
 
 // Gives an interaction to a pair that carries something for the first time.
@@ -84,11 +90,15 @@ void SceneLink::eraseParted(yade::Scene* scene)
 void SceneLink::makeReal(std::size_t index)
 {
 	ForceObjects& o = objects[index];
-	if (!o.geom && pool.empty())
-		o = { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
+	const bool moment = rolls(index);
+	if (moment && !o.holdMoment)
+		recycle(std::exchange(o, {}));
+	std::vector<ForceObjects>& kept = moment ? momentPool : pool;
+	if (!o.geom && kept.empty())
+		o = { create<yade::IGeom>(moment ? "ScGeom6D" : "ScGeom"), create<yade::IPhys>(moment ? "CohFrictPhys" : "FrictPhys"), false, moment };
 	else if (!o.geom) {
-		o = std::move(pool.back());
-		pool.pop_back();
+		o = std::move(kept.back());
+		kept.pop_back();
 	}
 	o.real = true;
 	interaction_geom(interactions[index]) = o.geom;
@@ -117,6 +127,13 @@ void SceneLink::writeContact(std::size_t index, const cd::Touch& touch)
 	geom_normal(g) = plane.toSpace(carried.nx, carried.ny);
 	phys_normalForce(p) = plane.toSpace(carried.fn[0], carried.fn[1]);
 	phys_shearForce(p) = plane.toSpace(carried.ft[0], carried.ft[1]);
+	if (!objects[index].holdMoment)
+		return;
+	cohPhys_moment(p) = plane.torque(carried.moment);
+	cohPhys_momentRotationLaw(p) = rolls(index);
+	cohPhys_maxRollPl(p) = rolls(index) ? world.rollings[index].bound : 0;
+	if (world.compliant() && rolls(index))
+		cohPhys_kr(p) = world.rollings[index].stiffness;
 }
 
 // Springs belong to the places at the end of the step; the normal is that of the force.
@@ -186,7 +203,7 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep<cd::Plane>& 
 		if (world.carries(i)) {
 			if (!interactions[i])
 				insert(*scene_interactions(scene), i);
-			if (!objects[i].inUse())
+			if (!objects[i].inUse() || (rolls(i) && !objects[i].holdMoment))
 				makeReal(i);
 			writeContact(i, world.compliant() ? touchAfterStep(i) : step.touchOf(world, i));
 		} else if (objects[i].real) {

@@ -9,8 +9,10 @@ struct Carried;
 struct Shape;
 template <class N> struct Components; // law.inl
 template <class N> struct Motion;
+template <class N> struct RollingComponents; // law_rolling.inl
 
 struct Plane {
+	using Scene = Plane; // the description of its bodies and their shapes
 	static constexpr int freedoms = 3; // of a body: x, y, and the rotation about z
 	static constexpr int components = 2; // of a position or a force
 	using Impulse = Components<double>; // or a relative velocity
@@ -18,6 +20,11 @@ struct Plane {
 	using Body = cd::Body;
 	using Carried = cd::Carried;
 	using Shape = cd::Shape;
+};
+
+// The plane, where contacts resist rolling: they have a third component, a moment (law_rolling.inl).
+struct RollingPlane : Plane {
+	using Impulse = RollingComponents<double>;
 };
 
 template <class Space> using ImpulseOf = typename Space::Impulse;

@@ -20,6 +20,7 @@ template <class Space> struct WorldOf {
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
 	std::vector<Stiffness> stiffnesses; // of the pairs; empty: all contacts are rigid
+	std::vector<Rolling> rollings; // of the pairs; empty: none resists rolling
 	// Of each pair: its first contact, then the number of all. Empty where each pair has one, of its own number, as in the plane.
 	std::vector<int32_t> firstContact;
 	std::vector<typename Space::Carried> carried; // by contact
@@ -29,6 +30,7 @@ template <class Space> struct WorldOf {
 	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::update fills it before every step
 
+	bool rolls() const { return !rollings.empty(); }
 	bool compliant() const { return !stiffnesses.empty(); }
 	// How far ahead of a step's beginning its contacts are located [s]: at the middle, or with stiffnesses, at the beginning.
 	double ahead(double dt) const { return compliant() ? 0 : 0.5 * dt; }

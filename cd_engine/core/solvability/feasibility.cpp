@@ -28,13 +28,13 @@ namespace {
 	}
 
 	// The normal relative velocity of a contact for three numbers a body.
-	double normalVelocity(const ContactRow<Plane>& c, const std::vector<double>& v)
+	template <class Space> double normalVelocity(const ContactRow<Space>& c, const std::vector<double>& v)
 	{
 		return relativeVelocity<false>(c, motionOf<Plane>(&v[3 * c.a]), motionOf<Plane>(&v[3 * c.b])).n;
 	}
 
 	// The velocities at which blocked freedoms move as they do, and all others along with `boundary` as one rigid body; -1: they rest.
-	void moveAlong(const ContactSystem<Plane>& s, int32_t boundary, const std::vector<double>& free, std::vector<double>& v)
+	template <class Space> void moveAlong(const ContactSystem<Space>& s, int32_t boundary, const std::vector<double>& free, std::vector<double>& v)
 	{
 		v = free;
 		for (std::size_t i = 0; i < s.bodies.size(); i++) {
@@ -55,12 +55,12 @@ namespace {
 	// Rows are weighted by 1/sqrt(W_nn) and velocities by the square roots of the masses, so that the rows of J have length 1.
 	class LeastSquares {
 	    public:
-		void read(const ContactSystem<Plane>& s, const std::vector<double>& free)
+		template <class Space> void read(const ContactSystem<Space>& s, const std::vector<double>& free)
 		{
 			clear(free.size());
 			moveAlong(s, -1, free, v);
 			for (std::size_t i = 0; i < s.contacts.size(); i++) {
-				const ContactRow<Plane>& c = s.contacts[i];
+				const ContactRow<Space>& c = s.contacts[i];
 				if (!(c.wnn > 0))
 					continue;
 				const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
@@ -267,12 +267,15 @@ namespace {
 
 } // namespace
 
-Feasibility feasibility(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity, double least, int products)
+template <class Space>
+Feasibility feasibility(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity, double least, int products)
 {
 	const Borrowed<LeastSquares> search(s.memory);
 	search->read(s, freeVelocity);
 	return search->search(least, products);
 }
+template Feasibility feasibility(const ContactSystem<Plane>&, const std::vector<double>&, double, int);
+template Feasibility feasibility(const ContactSystem<RollingPlane>&, const std::vector<double>&, double, int);
 Feasibility feasibility(const DelassusSystem& s, double least, int products)
 {
 	const Borrowed<LeastSquares> search(s.memory);
@@ -295,22 +298,23 @@ template <class Space> bool surelySolvable(const ContactSystem<Space>& s, Thread
 		|| !anyOf(threads, s.contacts.size(), [&](std::size_t i) { return !(s.contacts[i].bias >= 0); }));
 }
 template bool surelySolvable(const ContactSystem<Plane>&, Threads*);
+template bool surelySolvable(const ContactSystem<RollingPlane>&, Threads*);
 
-double closingOfBoundaries(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
+template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity)
 {
 	const Borrowed<std::vector<double>, LeastSquares> borrowed(s.memory);
 	std::vector<double>& v = *borrowed;
 	const auto closing = [&](int32_t along) {
 		moveAlong(s, along, freeVelocity, v);
 		double fastest = 0;
-		for (const ContactRow<Plane>& c : s.contacts)
+		for (const ContactRow<Space>& c : s.contacts)
 			if (c.wnn > 0) {
-				const double size = sizeOf<double>(c, c.bias, motionOf<Plane>(&v[3 * c.a]), motionOf<Plane>(&v[3 * c.b]));
+				const double size = sizeOf(c, c.bias, motionOf<Plane>(&v[3 * c.a]), motionOf<Plane>(&v[3 * c.b]));
 				fastest = std::max(fastest, -(normalVelocity(c, v) + c.bias) - roundOff * size);
 			}
 		return fastest;
 	};
-	for (const ContactRow<Plane>& c : s.contacts)
+	for (const ContactRow<Space>& c : s.contacts)
 		for (const int32_t i : { c.a, c.b })
 			if (c.wnn > 0 && s.bodies[i].w[0] == 0 && s.bodies[i].w[1] == 0 && (freeVelocity[3 * i + 2] == 0 || !s.places.empty())) {
 				const double alongside = closing(i);
@@ -318,5 +322,7 @@ double closingOfBoundaries(const ContactSystem<Plane>& s, const std::vector<doub
 			}
 	return closing(-1);
 }
+template double closingOfBoundaries(const ContactSystem<Plane>&, const std::vector<double>&);
+template double closingOfBoundaries(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 
 } // namespace cd

@@ -60,21 +60,23 @@ namespace {
 
 } // namespace
 
-Resolution resolution(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
+template <class Space> Resolution resolution(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity)
 {
 	assert(freeVelocity.size() == 3 * s.bodies.size());
 	Sum sum;
 	for (std::size_t i = 0; i < s.contacts.size(); i++) {
-		const ContactRow<Plane>& c = s.contacts[i];
+		const ContactRow<Space>& c = s.contacts[i];
 		if (!(c.wnn > 0))
 			continue;
 		const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
 		const double free = relativeVelocity<false>(c, motionOf<Plane>(&freeVelocity[3 * c.a]), motionOf<Plane>(&freeVelocity[3 * c.b])).n;
-		const double size = sizeOf<double>(c, c.bias, motionOf<Plane>(s.bodies[c.a].v), motionOf<Plane>(s.bodies[c.b].v));
-		sum.add(static_cast<int32_t>(i), c.wnn, un + c.bias, free + c.bias, size, c.pn, c.pt * c.pt);
+		const double size = sizeOf(c, c.bias, motionOf<Plane>(s.bodies[c.a].v), motionOf<Plane>(s.bodies[c.b].v));
+		sum.add(static_cast<int32_t>(i), c.wnn, un + c.bias, free + c.bias, size, c.pn, tangentialSquare(impulseOf(c)));
 	}
 	return sum.result();
 }
+template Resolution resolution(const ContactSystem<Plane>&, const std::vector<double>&);
+template Resolution resolution(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 
 Resolution resolution(const DelassusSystem& s)
 {
@@ -121,7 +123,7 @@ Resolution resolution(const ConeSystem& s)
 	return sum.result();
 }
 
-double energyGain(const ContactSystem<Plane>& s, const std::vector<double>& freeVelocity)
+template <class Space> double energyGain(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity)
 {
 	double after = 0, before = 0; // twice the energies [J]
 	for (std::size_t i = 0; i < s.bodies.size(); i++)
@@ -133,5 +135,7 @@ double energyGain(const ContactSystem<Plane>& s, const std::vector<double>& free
 			}
 	return after > 0 ? after / before : 0;
 }
+template double energyGain(const ContactSystem<Plane>&, const std::vector<double>&);
+template double energyGain(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 
 } // namespace cd
