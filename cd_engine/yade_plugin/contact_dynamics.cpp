@@ -277,6 +277,7 @@ void ContactDynamics::advance()
 	others.check(this, scene, weighs != Vector3r::Zero());
 	const cd::StepSettings<cd::Plane> settings = this->settings(scene);
 	link.stiffness = readStiffness();
+	link.mask = read(&ContactDynamics::mask);
 	if (link.setValues(readPairValues()))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	if (!sleepGoesOn(settings))

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <iostream>
+#include <utility>
 
 namespace cd_engine {
 
@@ -344,8 +345,8 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 	checkScene(scene, dt);
 	for (const int id : driven) // all of them, since a refusal writes them back
 		readVelocity(id, world.bodies[id]);
-	if (unpublished && g != gravity)
-		publishScene(scene, step); // so that the bodies are read anew, with their new weights
+	if (unpublished && (g != gravity || mask != maskBefore))
+		publishScene(scene, step); // so that the bodies are read anew, with their new weights and surfaces
 	std::for_each(driven.begin(), driven.end(), [this](int id) { checkMotion(id); });
 	const bool read = !unpublished;
 	if (read) {
@@ -379,6 +380,8 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 		setStiffness(step.sleepers);
 	if (anyRolls || world.rolls())
 		setRolling(step.sleepers);
+	if (std::exchange(newSurfaces, false))
+		step.sleepers.wakeAll(world, { "the surface of a belt has another velocity", -1 });
 }
 
 void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)

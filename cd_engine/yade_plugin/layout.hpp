@@ -90,7 +90,7 @@ inline Member<Vector3r> phys_normalForce { "NormPhys", "normalForce" }, phys_she
 inline Member<Vector3r> phys_normalViscous { "FrictViscoPhys", "normalViscous" };
 
 inline Member<Vector3r> cohPhys_moment { "CohFrictPhys", "moment_bending" };
-inline Member<double> cohPhys_kr { "CohFrictPhys", "kr" }, cohPhys_maxRollPl { "CohFrictPhys", "maxRollPl" };
+inline Member<double> cohPhys_kr { "RotStiffFrictPhys", "kr" }, cohPhys_maxRollPl { "CohFrictPhys", "maxRollPl" };
 inline Member<bool> cohPhys_momentRotationLaw { "CohFrictPhys", "momentRotationLaw" };
 
 inline Member<std::vector<int>> partial_ids { "PartialEngine", "ids" };

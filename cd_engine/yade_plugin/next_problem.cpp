@@ -48,6 +48,7 @@ py::tuple ContactDynamics::nextProblem()
 	double length = bodyOrderLength;
 	SceneLink copy;
 	copy.stiffness = stiffnessSettings();
+	copy.mask = mask;
 	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
 	copy.setValues(readPairValues());
 	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());

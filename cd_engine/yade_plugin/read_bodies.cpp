@@ -134,13 +134,22 @@ void SceneLink::checkMotion(int id)
 			" angular velocities to 0"));
 }
 
-void SceneLink::readVelocity(int id, cd::Body& body) const
+void SceneLink::readVelocity(int id, cd::Body& body)
 {
 	for (int k = 0; k < cd::Plane::freedoms; k++)
 		body.v[k] = plane.velocity(bodies[id].state, k);
+	if (world.surfaces.empty())
+		return;
+	std::array<double, cd::Plane::freedoms> now {};
+	if (!(body_groupMask(bodies[id].body) & mask)) {
+		std::copy_n(body.v, cd::Plane::freedoms, now.begin());
+		std::fill_n(body.v, cd::Plane::freedoms, 0.);
+	}
+	newSurfaces = newSurfaces || now != world.surfaces[id];
+	world.surfaces[id] = now;
 }
 
-void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces) const
+void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 {
 	void* const state = bodies[id].state;
 	const Vector3r& position = state_pos(state);
@@ -162,6 +171,9 @@ void SceneLink::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 	std::fill_n(body.force, cd::Plane::freedoms, 0.);
 	if (!moves && !turns)
 		return;
+	if (!world.surfaces.empty() && !(body_groupMask(bodies[id].body) & mask))
+		refuseBody(id, text("is free to move, but shares no bit of its groupMask with mask=", mask, ", which is for belts"),
+		    "Set O.bodies[#].groupMask to one that shares a bit, or block its degrees of freedom (state.blockedDOFs)");
 	Vector3r force = forces.getForce(id), torque = forces.getTorque(id);
 	if (inspecting)
 		readPermanentForce(id, force, torque);
@@ -344,6 +356,8 @@ void SceneLink::readBody(int id, const Shared<yade::Body>& body, yade::ForceCont
 		known = KnownBody();
 		world.bodies[id] = cd::Body();
 		world.masks[id] = 0;
+		if (!world.surfaces.empty())
+			world.surfaces[id] = {};
 		return;
 	}
 	if (!same) {
@@ -388,6 +402,9 @@ void SceneLink::gatherBodies(yade::Scene* scene)
 	world.masks.resize(count, 0);
 	forces.sync();
 	anyRolls = false;
+	newSurfaces = newSurfaces || world.surfaces.empty() != (mask == 0);
+	maskBefore = mask;
+	world.surfaces.resize(mask > 0 ? count : 0);
 	for (int id = 0; id < count; id++) {
 		if (id + ahead < count)
 			prefetchBody(bodies[id + ahead]);

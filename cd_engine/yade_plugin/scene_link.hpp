@@ -83,7 +83,8 @@ class SceneLink {
     public:
 	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
-	StiffnessSettings stiffness; // to be set before the scene is read
+	StiffnessSettings stiffness; // to be set before the scene is read,
+	int mask = 0; // like this: ContactDynamics::mask
 
 	// What holds for pairs from the next gather on. Returns whether it is new. Throws SceneError for values out of range.
 	bool setValues(const PairValues&);
@@ -139,7 +140,7 @@ class SceneLink {
 	void findLayer(yade::BodyContainer&);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);
-	void readVelocity(int id, cd::Body&) const;
+	void readVelocity(int id, cd::Body&);
 	bool readShape(int id, cd::Body&);
 	bool readDisk(int id, cd::Body&);
 	bool readBox(int id, cd::Shape&);
@@ -147,7 +148,7 @@ class SceneLink {
 	void readFriction(int id, void* mat);
 	void readRolling(int id, void* mat);
 	void warnOfPlacing(int id, double x, double y, long step);
-	void readMotion(int id, cd::Body&, yade::ForceContainer&) const;
+	void readMotion(int id, cd::Body&, yade::ForceContainer&);
 	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers<cd::Plane>&);
 	void warnOfUnheldBoundaries(double dt);
 	void keepPairs();
@@ -198,6 +199,8 @@ class SceneLink {
 	bool placesBoundaries = false;
 	bool unpublished = false; // whether the scene is out of date
 	std::vector<int> driven; // boundaries whose velocities in the scene are up to date nevertheless
+	int maskBefore = 0; // when the bodies were last read
+	bool newSurfaces = false; // whether a surface has another velocity
 	bool finite = true; // whether the motion after the last step is finite
 	double lastDt = 0; // length of the last step [s]
 	Vector3r gravity = Vector3r::Zero(), pull = Vector3r::Zero(); // pull: gravity in the plane

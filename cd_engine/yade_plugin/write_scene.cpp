@@ -46,13 +46,13 @@ void SceneLink::recycle(ForceObjects&& o)
 	static Kind isTurningGeom { "ScGeom6D", Kind::exactly }, isMomentPhys { "CohFrictPhys", Kind::exactly };
 	if (o.geom.use_count() != 1 || o.phys.use_count() != 1 || !(phys_kn(o.phys) == 0 || world.compliant()))
 		return;
-	const bool moment = isMomentPhys(o.phys.get());
-	if (moment ? !isTurningGeom(o.geom.get()) : !isPlainGeom(o.geom.get()) || !isPlainPhys(o.phys.get()))
+	o.holdMoment = isMomentPhys(o.phys.get());
+	if (o.holdMoment ? !isTurningGeom(o.geom.get()) : !isPlainGeom(o.geom.get()) || !isPlainPhys(o.phys.get()))
 		return;
 	phys_kn(o.phys) = phys_ks(o.phys) = 0;
-	if (moment)
+	if (o.holdMoment)
 		cohPhys_kr(o.phys) = 0;
-	(moment ? momentPool : pool).push_back(std::move(o));
+	(o.holdMoment ? momentPool : pool).push_back(std::move(o));
 }
 
 // Gives an interaction to a pair that carries something for the first time.

@@ -164,5 +164,5 @@ TEST_CASE("sweeps over contacts with rolling resistance reach the law, by each m
 			}
 			useGroupKernel(used);
 		}
-	CHECK(findRollingSolver("newton") == nullptr);
+	CHECK((findRollingSolver("newton") == nullptr));
 }

@@ -74,7 +74,7 @@ def test_yade_s_own_law_stops_it_at_the_same_place(O):
     places = []
     for springs in (False, True):
         O.reset()
-        mat, other = material(O, 0.05), material(O, 0.2)
+        mat, other = material(O, 0.05, young=1e7), material(O, 0.2, young=1e7)
         plane.box((0, -0.05), (10, 0.05), mat=other)
         disk = plane.disk((0, 0.1), 0.1, velocity=(0.5, 0), spin=-5, mat=mat)
         if springs:
@@ -82,10 +82,10 @@ def test_yade_s_own_law_stops_it_at_the_same_place(O):
                 [w.Ig2_Sphere_Sphere_ScGeom6D(), w.Ig2_Box_Sphere_ScGeom6D()], [w.Ip2_CohFrictMat_CohFrictMat_CohFrictPhys()],
                 [w.Law2_ScGeom6D_CohFrictPhys_CohesionMoment(always_use_moment_law=True, useIncrementalForm=True)]),
                 w.NewtonIntegrator(gravity=(0, -G, 0), damping=0)]
-            O.dt = 5e-5
-            O.run(22000, True)
+            O.dt = 1e-4
+            O.run(16000, True)
         else:
-            plane.run(1100, 1e-3, gravity=(0, -G, 0))
+            plane.run(1600, 1e-3, gravity=(0, -G, 0))
         places.append(O.bodies[disk].state.pos[0])
     assert places[0] == pytest.approx(0.25 * 1.5 / (2 * 0.05 * G), rel=1e-5) and places[1] == pytest.approx(places[0], rel=0.01)
 

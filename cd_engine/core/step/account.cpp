@@ -195,7 +195,7 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				sum.loaded += !asleep;
 				sum.sliding += !asleep && slides(pair.mu, pn, pt);
 				if (moved)
-					e.work[l] += moved->pr * moved->length * (means[pair.b].v[2] - means[pair.a].v[2]);
+					e.work[l] += moved->pr * cd::rolling<double>(*moved, motionOf<Plane>(means[pair.a].v), motionOf<Plane>(means[pair.b].v));
 				sum.dissipated -= e.work[l];
 				if (!stiffnesses)
 					continue;

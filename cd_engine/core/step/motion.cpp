@@ -21,6 +21,13 @@ namespace {
 		s.twisted = dt * b.inverseMass[2] * std::abs(b.force[2]);
 	}
 
+	// Called for each body: most worlds have no belt.
+	inline void setBelt(const World& world, std::size_t body, BodyVelocity<Plane>& s)
+	{
+		if (!world.surfaces.empty() && world.isBelt(body))
+			s.v[2] = 1;
+	}
+
 } // namespace
 
 double smallestRadius(const World& world)
@@ -48,9 +55,10 @@ BodyMotion<Plane>::Start BodyMotion<Plane>::begin(const World& world, double dt,
 			const Body& b = world.bodies[i];
 			start.sameMasses = start.sameMasses && std::equal(b.inverseMass, b.inverseMass + 3, system.bodies[i].w);
 			setFree(b, dt, system.bodies[i]);
+			setBelt(world, i, system.bodies[i]);
 			placeOf[i] = placeAhead(b, ahead);
 			system.places[i] = { placeOf[i].x, placeOf[i].y };
-			way[i] = wayOf(b, world.shapes[i], system.bodies[i].v, dt);
+			way[i] = world.isBelt(i) ? 0 : wayOf(b, world.shapes[i], system.bodies[i].v, dt);
 			start.turns = start.turns || (isBoundary(b) && b.v[2] != 0);
 			start.guides = start.guides || (!isBoundary(b) && isGuided(b));
 		}
@@ -64,8 +72,10 @@ BodyMotion<Plane>::Start BodyMotion<Plane>::begin(const World& world, double dt,
 void BodyMotion<Plane>::resetFree(const World& world, double dt, ContactSystem<Plane>& system, Threads& threads)
 {
 	forRanges(&threads, world.bodies.size(), [&](std::size_t from, std::size_t to) {
-		for (std::size_t i = from; i < to; i++)
+		for (std::size_t i = from; i < to; i++) {
 			setFree(world.bodies[i], dt, system.bodies[i]);
+			setBelt(world, i, system.bodies[i]);
+		}
 	});
 }
 
@@ -102,6 +112,8 @@ bool BodyMotion<Plane>::average(const World& world, double dt, const std::vector
 			for (int k = 0; k < 3; k++)
 				meanOf[i].v[k] = implicit ? v[k] : 0.5 * (b.v[k] + v[k]);
 			meanOf[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
+			if (world.isBelt(i))
+				meanOf[i] = { { v[0], v[1], v[2] }, 0 };
 			found.fastest = std::max(found.fastest, meanOf[i].speed);
 			found.outran = found.outran || (i < world.listed.size() && reach(world, i, dt) > world.listed[i]);
 		}
@@ -129,6 +141,10 @@ bool BodyMotion<Plane>::finish(World& world, double h, const std::vector<BodyVel
 		for (std::size_t i = from; i < to; i++) {
 			Body& b = world.bodies[i];
 			const double* v = bodies[i].v;
+			if (world.isBelt(i)) {
+				b.turn = 0;
+				continue;
+			}
 			if (implicit) {
 				b.x += h * v[0];
 				b.y += h * v[1];

@@ -17,6 +17,14 @@ namespace {
 		return { s.dt, s.gapCorrection, s.allowedOverlap, -std::max(pushedOut, s.allowedOverlap), onCone };
 	}
 
+	// Of a belt along t where it is touched [m/s]: across it the surface stays. Divided by 1 rad/s it is the lever arm of the contact (motion.hpp).
+	double surfaceSpeed(const StepView<Plane>& step, int32_t body, const Touch& touch)
+	{
+		const auto& [vx, vy, spin] = step.world.surfaces[body];
+		const Place& place = step.place(body);
+		return touch.nx * (vy + spin * (touch.cx - place.x)) - touch.ny * (vx - spin * (touch.cy - place.y));
+	}
+
 } // namespace
 
 // The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the
@@ -50,6 +58,14 @@ ContactRow<Plane> ProblemBuilder<Plane>::makeRow(
 		const double ax = touch.cx - place.x, ay = touch.cy - place.y;
 		c.an = ax * touch.ny - ay * touch.nx;
 		c.at = ax * touch.nx + ay * touch.ny;
+	}
+	if (step.world.isBelt(c.a)) {
+		c.an = 0;
+		c.at = surfaceSpeed(step, c.a, touch);
+	}
+	if (step.world.isBelt(c.b)) {
+		c.bn = 0;
+		c.bt = surfaceSpeed(step, c.b, touch);
 	}
 	c.assembleBlock(step.bodies[c.a], step.bodies[c.b]);
 	if (step.world.compliant())

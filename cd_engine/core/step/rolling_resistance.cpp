@@ -30,6 +30,10 @@ void RollingResistance<Plane>::makeRows(const StepView<Plane>& step, const Conta
 			if (world.compliant() && !(of.stiffness > 0))
 				c.eta = 0;
 			c.assembleBlock(planar.bodies[c.a], planar.bodies[c.b]);
+			if (world.isBelt(c.a))
+				c.ar *= world.surfaces[c.a][2]; // over 1 rad/s (motion.hpp)
+			if (world.isBelt(c.b))
+				c.br *= world.surfaces[c.b][2];
 			if (!(c.wrr > 0 || c.ar != 0 || c.br != 0))
 				c.eta = 0;
 			// The part beyond the cone by the round-off of dt times moment and back stays, as that of friction does.
