@@ -53,8 +53,9 @@ py::tuple ContactDynamics::nextProblem()
 	copy.setValues(readPairValues());
 	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
 	if (copy.world.rolls())
-		throw SceneError("ContactDynamics: a file cannot hold the rolling resistance of a CohFrictMat. Set etaRoll to 0 to export the problem "
-				 "without it");
+		throw SceneError(
+		    "ContactDynamics: a file cannot hold the rolling resistance of a CohFrictMat. Set etaRoll to 0 to export the problem "
+		    "without it");
 	if (handover && copy.world.compliant())
 		copy.forgetOverlaps();
 	else if (handover)

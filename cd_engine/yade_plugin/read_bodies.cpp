@@ -280,7 +280,8 @@ void SceneLink::readFriction(int id, void* mat)
 		const char* const also = known->rolls ? " and, with its momentRotationLaw, etaRoll" : "";
 		if (name != "FrictMat")
 			warnOnce(stiffness.rigid()
-				? text("of a ", name, " only the frictionAngle", also, " is used: rigid contacts have no stiffness, cohesion or damping.")
+				? text("of a ", name, " only the frictionAngle", also,
+				    " is used: rigid contacts have no stiffness, cohesion or damping.")
 				: text("of a ", name, " only the members of a FrictMat", also, " are used, not its cohesion or damping."),
 			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));
 	}

@@ -95,7 +95,8 @@ void SceneLink::makeReal(std::size_t index)
 		recycle(std::exchange(o, {}));
 	std::vector<ForceObjects>& kept = moment ? momentPool : pool;
 	if (!o.geom && kept.empty())
-		o = { create<yade::IGeom>(moment ? "ScGeom6D" : "ScGeom"), create<yade::IPhys>(moment ? "CohFrictPhys" : "FrictPhys"), false, moment };
+		o = { create<yade::IGeom>(moment ? "ScGeom6D" : "ScGeom"), create<yade::IPhys>(moment ? "CohFrictPhys" : "FrictPhys"), false,
+			moment };
 	else if (!o.geom) {
 		o = std::move(kept.back());
 		kept.pop_back();

@@ -51,9 +51,8 @@ RollingComponents<double> solveCoupled(const ContactRow<RollingPlane>& c, const 
 	const Three q { free.n, free.t, free.r }, most { 1, c.mu, c.eta };
 	// A component whose own impulse moves nothing yields if it is driven. If not, any impulse within its bound would do, and none is taken.
 	const auto moves = [&](std::size_t k) { return W[k][k] > 1e-14 * W[0][0]; };
-	const auto driven = [&](std::size_t k) {
-		return std::abs(q[k] * W[0][0] - W[k][0] * q[0]) > 1e-12 * std::abs(q[k] * W[0][0]) - 1e-10 * q[0] * W[0][0];
-	};
+	const auto driven
+	    = [&](std::size_t k) { return std::abs(q[k] * W[0][0] - W[k][0] * q[0]) > 1e-12 * std::abs(q[k] * W[0][0]) - 1e-10 * q[0] * W[0][0]; };
 	const auto canYield = [&](std::size_t k) { return most[k] > 0 && (moves(k) || driven(k)); };
 	constexpr int states[9][2] = { { 0, 0 }, { -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 }, { -1, -1 }, { -1, 1 }, { 1, -1 }, { 1, 1 } };
 	for (const auto& state : states) {

@@ -26,7 +26,8 @@ template <class Space> struct WorldOf {
 	// Of each pair: its first contact, then the number of all. Empty where each pair has one, of its own number, as in the plane.
 	std::vector<int32_t> firstContact;
 	std::vector<typename Space::Carried> carried; // by contact
-	// Of each body: the velocity of its surface, if it stays in place (a belt). Empty: no surface moves. The velocities of the body itself are 0 then.
+	// Of each body: the velocity of its surface, if it stays in place (a belt). Empty: no surface moves. The velocities of the body itself are 0
+	// then.
 	std::vector<std::array<double, Space::freedoms>> surfaces;
 	std::vector<double> restitutions; // of the pairs; empty: StepSettings::restitution for all
 	// Of each shape [m]: the list of pairs holds every two whose gap is at most the sum of their two values. Empty: all pairs are listed.

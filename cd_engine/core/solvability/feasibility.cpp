@@ -34,7 +34,8 @@ namespace {
 	}
 
 	// The velocities at which blocked freedoms move as they do, and all others along with `boundary` as one rigid body; -1: they rest.
-	template <class Space> void moveAlong(const ContactSystem<Space>& s, int32_t boundary, const std::vector<double>& free, std::vector<double>& v)
+	template <class Space>
+	void moveAlong(const ContactSystem<Space>& s, int32_t boundary, const std::vector<double>& free, std::vector<double>& v)
 	{
 		v = free;
 		for (std::size_t i = 0; i < s.bodies.size(); i++) {
@@ -267,8 +268,7 @@ namespace {
 
 } // namespace
 
-template <class Space>
-Feasibility feasibility(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity, double least, int products)
+template <class Space> Feasibility feasibility(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity, double least, int products)
 {
 	const Borrowed<LeastSquares> search(s.memory);
 	search->read(s, freeVelocity);

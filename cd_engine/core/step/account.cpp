@@ -195,7 +195,8 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				sum.loaded += !asleep;
 				sum.sliding += !asleep && slides(pair.mu, pn, pt);
 				if (moved)
-					e.work[l] += moved->pr * cd::rolling<double>(*moved, motionOf<Plane>(means[pair.a].v), motionOf<Plane>(means[pair.b].v));
+					e.work[l] += moved->pr
+					    * cd::rolling<double>(*moved, motionOf<Plane>(means[pair.a].v), motionOf<Plane>(means[pair.b].v));
 				sum.dissipated -= e.work[l];
 				if (!stiffnesses)
 					continue;
@@ -251,11 +252,12 @@ void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& ste
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
 			if (world.compliant())
-				asleep->stored += springsOf(c, world.stiffnesses[pair].kn, step.dt()).stored + (rolling ? rollingSpringOf(rolling[i]).stored : 0);
+				asleep->stored += springsOf(c, world.stiffnesses[pair].kn, step.dt()).stored
+				    + (rolling ? rollingSpringOf(rolling[i]).stored : 0);
 		}
 		if (asleep || c.pn > 0)
-			giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt,
-			    momentOf(rolling, i), [&](int32_t body, const Impulse& impulse) {
+			giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt, momentOf(rolling, i),
+			    [&](int32_t body, const Impulse& impulse) {
 				    if (!asleep || sleepers.sleeps(body))
 					    add(sums[body], impulse);
 				    else
@@ -273,9 +275,8 @@ void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& ste
 		add(sums[of.body], of.impulse);
 }
 
-const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(
-    const World& world, const ContactFinder<Plane>& finder, const BodyMotion<Plane>& motion, const ContactRows<Plane>& contacts,
-    const ContactRow<RollingPlane>* rolling)
+const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(const World& world, const ContactFinder<Plane>& finder,
+    const BodyMotion<Plane>& motion, const ContactRows<Plane>& contacts, const ContactRow<RollingPlane>* rolling)
 {
 	sums.resize(world.bodies.size());
 	if (std::exchange(known, true))
@@ -289,8 +290,8 @@ const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(
 		const int32_t pair = finder.pairs()[i];
 		const Carried& carried = world.carried[pair]; // it has the normal of the step
 		if (pn > 0)
-			giveBoth(world.pairs[pair], motion.places(), finder.overlap(pair), { carried.nx, carried.ny }, pn, pt,
-			    momentOf(rolling, i), [&](int32_t body, const Impulse& impulse) { add(sums[body], impulse); });
+			giveBoth(world.pairs[pair], motion.places(), finder.overlap(pair), { carried.nx, carried.ny }, pn, pt, momentOf(rolling, i),
+			    [&](int32_t body, const Impulse& impulse) { add(sums[body], impulse); });
 	}
 	return sums;
 }

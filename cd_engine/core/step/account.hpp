@@ -22,8 +22,8 @@ template <> class Account<Plane> {
 	void book(World&, const StepView<Plane>&, const ContactFinder<Plane>&, const ProblemBuilder<Plane>&, const ContactRows<Plane>&,
 	    const ContactRow<RollingPlane>* rolling, Sleepers<Plane>&, StepReport&);
 	// The impulses of all contacts on each body in the step that has left the world, those of sleeping islands included.
-	const std::vector<Impulse>& impulses(const World&, const ContactFinder<Plane>&, const BodyMotion<Plane>&, const ContactRows<Plane>&,
-	    const ContactRow<RollingPlane>* rolling);
+	const std::vector<Impulse>& impulses(
+	    const World&, const ContactFinder<Plane>&, const BodyMotion<Plane>&, const ContactRows<Plane>&, const ContactRow<RollingPlane>* rolling);
 
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
 	bool sparedRows() const { return spared; }

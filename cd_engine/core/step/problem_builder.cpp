@@ -17,7 +17,8 @@ namespace {
 		return { s.dt, s.gapCorrection, s.allowedOverlap, -std::max(pushedOut, s.allowedOverlap), onCone };
 	}
 
-	// Of a belt along t where it is touched [m/s]: across it the surface stays. Divided by 1 rad/s it is the lever arm of the contact (motion.hpp).
+	// Of a belt along t where it is touched [m/s]: across it the surface stays. Divided by 1 rad/s it is the lever arm of the contact
+	// (motion.hpp).
 	double surfaceSpeed(const StepView<Plane>& step, int32_t body, const Touch& touch)
 	{
 		const auto& [vx, vy, spin] = step.world.surfaces[body];

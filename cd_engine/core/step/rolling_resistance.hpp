@@ -2,7 +2,7 @@
 //
 // A step finds and sets up its contacts as ever. If any of its pairs resists rolling (World::rollings), the contacts are then copied into rows with a
 // third component, solved by kernels of their own, and their impulses copied back; only moments stay here. So a step without rolling resistance
-// costs the same as if there were none, and gets the same bits. The copies cost less than a sweep.
+// costs the same as if there were none, and gets the same bits. The copies take some 50 ns a contact, as much as ten sweeps.
 #pragma once
 
 #include "step/contact_finder.hpp"
@@ -16,7 +16,8 @@ template <class Space> class RollingResistance {
     public:
 	static bool acts() { return false; }
 	void guess(const StepView<Space>&, const ContactFinder<Space>&, bool) { }
-	SolverReport solve(const StepView<Space>&, const ContactFinder<Space>&, ContactSystem<Space>&, const SolverSettings&, const Stillness<Space>&, Effort&)
+	SolverReport solve(
+	    const StepView<Space>&, const ContactFinder<Space>&, ContactSystem<Space>&, const SolverSettings&, const Stillness<Space>&, Effort&)
 	{
 		return {};
 	}

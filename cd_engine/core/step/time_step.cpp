@@ -48,8 +48,8 @@ template <class Space> Status TimeStep<Space>::solve(const StepView& step, const
 	if (finer)
 		left.maxIterations = std::min(left.maxIterations, 200 + 10 * goal.first);
 	report.solver = rolling.acts() ? rolling.solve(step, finder, system, left, stillness, report.effort)
-	    : step.settings.reduce	       ? solveIslands(system, step.settings.solve, left, report.effort, &stillness)
-					       : solveWhole(system, step.settings.solve, left, report.effort);
+	    : step.settings.reduce     ? solveIslands(system, step.settings.solve, left, report.effort, &stillness)
+				       : solveWhole(system, step.settings.solve, left, report.effort);
 	if (previous == 0)
 		goal.first = report.solver.iterations;
 	report.solver.iterations += previous;

@@ -8,7 +8,7 @@ namespace {
 
 	template <class Space> bool isGroupable(const ContactRow<Space>& c, const PackedBodies<Space>& bodies)
 	{
-		const typename PackedBodies<Space>::Kind&A = bodies.kinds[c.a], &B = bodies.kinds[c.b];
+		const typename PackedBodies<Space>::Kind &A = bodies.kinds[c.a], &B = bodies.kinds[c.b];
 		return A.uniform && B.uniform && c.groupable(A.turns, B.turns);
 	}
 
