@@ -205,6 +205,8 @@ template <class N> LAW Components<N> solveLocal(const N& nn, const N& nt, const 
 template <class Contact, class Impulse> LAW auto actingOnA(const Contact& c, const Impulse& p) { return actingOn(c.at, p); }
 template <class Contact, class Impulse> LAW auto actingOnB(const Contact& c, const Impulse& p) { return actingOn(c.bt, p); }
 
+#include "problem/springs.inl"
+
 #include "problem/law_in_space.inl"
 #include "problem/law_rolling.inl"
 

@@ -7,7 +7,7 @@ namespace cd {
 
 void RollingResistance<Plane>::guess(const StepView<Plane>& step, const ContactFinder<Plane>& finder, bool warm)
 {
-	any = step.world.rolls();
+	any = fresh = step.world.rolls();
 	guesses.assign(any ? finder.pairs().size() : 0, 0);
 	warm = warm && any;
 	for (std::size_t i = 0; warm && i < finder.foundFirst(); i++)
@@ -36,11 +36,14 @@ void RollingResistance<Plane>::makeRows(const StepView<Plane>& step, const Conta
 				c.br *= world.surfaces[c.b][2];
 			if (!(c.wrr > 0 || c.ar != 0 || c.br != 0))
 				c.eta = 0;
-			// The part beyond the cone by the round-off of dt times moment and back stays, as that of friction does.
-			c.pr = c.eta > 0 ? cutGuess<double>({ c.pn, guesses[i] }, c.eta, 1 + 1e-9) : 0;
 			const bool springs = world.compliant() && c.eta > 0;
 			c.cr = springs ? c.length * c.length / (of.stiffness * h * h) : 0;
 			c.rollBias = springs ? -c.cr * h * world.carried[finder.pairs()[i]].moment / c.length : 0;
+			c.pr = guesses[i];
+			if (fresh && step.settings.warmStart && c.cr > 0) // as movedOn() in springs.inl
+				c.pr -= rolling<double>(c, motionOf<Plane>(step.velocityBefore(c.a)), motionOf<Plane>(step.velocityBefore(c.b)))
+				    / c.cr;
+			c.pr = c.eta > 0 ? cutGuess<double>({ c.pn, c.pr }, c.eta, insideCone) : 0;
 		}
 	});
 }
@@ -51,6 +54,7 @@ SolverReport RollingResistance<Plane>::solve(const StepView<Plane>& step, const 
 	assert(step.settings.solveRolling && step.world.rollings.size() == step.world.pairs.size());
 	planar.contacts.make();
 	makeRows(step, finder, planar);
+	fresh = false;
 	system.memory = planar.memory;
 	system.contactSet = planar.contactSet;
 	system.contacts.compliant = planar.contacts.compliant;

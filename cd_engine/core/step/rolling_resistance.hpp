@@ -41,7 +41,7 @@ template <> class RollingResistance<Plane> {
     private:
 	void makeRows(const StepView<Plane>&, const ContactFinder<Plane>&, const ContactSystem<Plane>&);
 
-	bool any = false;
+	bool any = false, fresh = false; // fresh: the guesses are those of contacts, not of a solution
 	std::vector<double> guesses; // of p_r of each contact; after a solution, that one [N s]
 	ContactSystem<RollingPlane> system;
 	IslandSolver<RollingPlane> islands;

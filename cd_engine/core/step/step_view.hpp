@@ -24,6 +24,8 @@ template <> struct StepView<Plane> {
 		static constexpr double still[Plane::freedoms] = {};
 		return world.isBelt(body) ? still : bodies[body].v;
 	}
+	// In the equations of the step, where a belt turns (BodyMotion): before the step.
+	const double* velocityBefore(int32_t body) const { return world.isBelt(body) ? bodies[body].v : world.bodies[body].v; }
 	const Place& place(int32_t body) const { return motion.places()[body]; }
 	double dt() const { return settings.dt; }
 
