@@ -1,4 +1,5 @@
 #include "step/rolling_resistance.hpp"
+#include "step/pair_lanes.hpp"
 
 #include <algorithm>
 #include <cassert>
