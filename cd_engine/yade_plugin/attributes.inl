@@ -31,6 +31,9 @@ CD_ATTRIBUTE(Matches, en, {}, setting,
 CD_ATTRIBUTE(Matches, frictAngle, {}, setting,
     "Friction angle by pair of materials [rad], as frictAngle of Ip2_FrictMat_FrictMat_FrictPhys: a MatchMaker of ids in O.materials, whose algo (min, "
     "max, avg, harmAvg, val) holds for pairs that match nothing. A number holds for all pairs. None: the smaller angle of the two.")
+CD_ATTRIBUTE(int, mask, 0, within(0, most),
+    "As NewtonIntegrator.mask: if positive, a boundary whose groupMask shares no bit with it stays where it is, whatever its velocity, and its surface "
+    "moves along itself: a belt. Each contact feels the part of state.vel (and of state.angVel about the centre) along the surface there [1].")
 CD_ATTRIBUTE(double, stiffness, INFINITY, (Access { Access::set, 0, INFINITY, true }),
     "Normal stiffness k_n of every contact [N/m]; inf: rigid. The springs are those of Molecular Dynamics, solved implicitly at the end of the step "
     "(backward Euler), so that O.dt has no stability limit. *tolerance* is then relative to the motion of a step, and *flowTolerance*, *restitution* "

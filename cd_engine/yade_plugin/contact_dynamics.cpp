@@ -253,6 +253,7 @@ template <class Space> cd::StepSettings<Space> ContactDynamics::settings(yade::S
 	s.reduce = reduce;
 	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
 	s.solve = cd::findSolver<Space>(method);
+	s.solveRolling = cd::findSolver<cd::RollingPlane>(method);
 	s.restTolerance = stiffnessSettings().rigid() ? tolerance : 100 * leastTolerance();
 	s.solver = { nextTolerance(), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
@@ -331,6 +332,7 @@ template <class Space> void ContactDynamics::advance()
 	others.check(this, scene, weighs != Vector3r::Zero());
 	const cd::StepSettings<Space> settings = this->settings<Space>(scene);
 	link.stiffness = readStiffness();
+	link.mask = read(&ContactDynamics::mask);
 	if (link.setValues(readPairValues()))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	const std::array<double, 8> keeping = sleepSettings(settings);
@@ -340,6 +342,9 @@ template <class Space> void ContactDynamics::advance()
 	link.world.apart = others.maskApart();
 	others.restCollider(scene);
 	link.gather(scene, weighs, settings.dt, memory(), checksOrder(), searchMargin, step, {});
+	if (link.world.rolls() && !settings.solveRolling)
+		throw SceneError("ContactDynamics: the method newton does not know the rolling resistance of a CohFrictMat. Set method='auto', or "
+				 "etaRoll to 0");
 	const bool takesOver = handover;
 	if (takesOver)
 		takeOverlaps<Space>();

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <iostream>
+#include <utility>
 
 namespace cd_engine {
 namespace {
@@ -190,7 +191,6 @@ void SceneLink<Space>::gatherPairs(yade::Scene* scene, const Memory& memory, boo
 		sleepers.wakeAll(world);
 }
 
-// The force that an interaction holds; none if a step cannot read or write its objects.
 // Whether an interaction holds the force of a contact in objects that a step can read and write.
 template <class Space> bool SceneLink<Space>::holdsForce(std::size_t index, bool turned)
 {
@@ -207,8 +207,10 @@ template <class Space> bool SceneLink<Space>::holdsForce(std::size_t index, bool
 	}
 	if (known.geom != geom)
 		known.geom = geom;
-	if (known.phys != phys)
+	if (known.phys != phys) {
 		known.phys = phys;
+		known.holdMoment = isCohFrictPhys(phys.get());
+	}
 	return true;
 }
 
@@ -219,7 +221,8 @@ template <> cd::Carried SceneLink<cd::Plane>::readForce(std::size_t index, bool 
 	const ForceObjects& o = objects[index];
 	const Vector3r &n = geom_normal(o.geom), &fn = phys_normalForce(o.phys), &ft = phys_shearForce(o.phys);
 	const int x = frame.x, y = frame.y;
-	return { n[x], n[y], { fn[x], fn[y] }, { ft[x], ft[y] }, -1 };
+	const double moment = o.holdMoment ? frame.turn * cohPhys_moment(o.phys)[frame.normal] : 0;
+	return { n[x], n[y], { fn[x], fn[y] }, { ft[x], ft[y] }, -1, moment };
 }
 
 template <> cd::SpaceCarried SceneLink<cd::Space3>::readForce(std::size_t index, bool turned)
@@ -351,6 +354,37 @@ template <class Space> void SceneLink<Space>::setStiffness(Sleepers& sleepers)
 		sleepers.wakeAll(world, { "stiffnesses of contacts have changed", -1 });
 }
 
+// As YADE's Ip2_CohFrictMat_CohFrictMat_CohFrictPhys: the smaller one of eta R of the two, and for a boundary the disk's radius.
+template <> cd::Rolling SceneLink<cd::Plane>::rollingOf(const cd::Pair& pair) const
+{
+	const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
+	const double rb = world.bodyOf(pair.b).radius, ra = isBoundary(world.bodyOf(pair.a)) ? rb : world.bodyOf(pair.a).radius;
+	const double kt = stiffness.rigid() ? 0 : stiffnessOf(pair).kt;
+	const double alpha = a.alphaKr > 0 && b.alphaKr > 0 ? 2 * a.alphaKr * b.alphaKr / (a.alphaKr + b.alphaKr) : 0;
+	return { std::min(a.etaRoll * ra, b.etaRoll * rb), alpha > 0 ? ra * rb * kt * alpha : 0 };
+}
+
+// Wakes all islands if the resistance of a pair has changed.
+template <> void SceneLink<cd::Plane>::setRolling(cd::Sleepers<cd::Plane>& sleepers)
+{
+	const std::size_t count = anyRolls ? world.pairs.size() : 0;
+	bool changed = world.rollings.size() != count;
+	world.rollings.resize(count);
+	for (std::size_t i = 0; i < count; i++) {
+		const cd::Rolling now = rollingOf(world.pairs[i]);
+		changed = changed || !(now == world.rollings[i]);
+		world.rollings[i] = now;
+	}
+	if (changed)
+		sleepers.wakeAll(world, { "the rolling resistance of contacts has changed", -1 });
+}
+
+template <> void SceneLink<cd::Space3>::setRolling(cd::Sleepers<cd::Space3>&)
+{
+	throw SceneError("ContactDynamics: the rolling resistance of a CohFrictMat is known in the plane only. Set its momentRotationLaw to False or "
+			 "etaRoll to 0, or keep the disks in the plane: O.bodies[i].state.blockedDOFs='zXY'");
+}
+
 template <class Space>
 void SceneLink<Space>::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin, TimeStep& step,
     const std::vector<double>& outran)
@@ -358,8 +392,8 @@ void SceneLink<Space>::gather(yade::Scene* scene, const Vector3r& g, double dt, 
 	checkScene(scene, dt);
 	for (const int id : driven) // all of them, since a refusal writes them back
 		readVelocity(id, world.bodies[id]);
-	if (unpublished && g != gravity)
-		publishScene(scene, step); // so that the bodies are read anew, with their new weights
+	if (unpublished && (g != gravity || mask != maskBefore))
+		publishScene(scene, step); // so that the bodies are read anew, with their new weights and surfaces
 	std::for_each(driven.begin(), driven.end(), [this](int id) { checkMotion(id); });
 	const bool read = !unpublished;
 	if (read) {
@@ -391,6 +425,10 @@ void SceneLink<Space>::gather(yade::Scene* scene, const Vector3r& g, double dt, 
 	newValues = false;
 	if (!stiffness.rigid() || world.compliant())
 		setStiffness(step.sleepers);
+	if (anyRolls || world.rolls())
+		setRolling(step.sleepers);
+	if (std::exchange(newSurfaces, false))
+		step.sleepers.wakeAll(world, { "the surface of a belt has another velocity", -1 });
 }
 
 template <class Space> void SceneLink<Space>::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)

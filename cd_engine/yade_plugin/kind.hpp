@@ -39,6 +39,6 @@ struct Kind {
 	}
 };
 
-inline Kind isScGeom { "ScGeom" }, isFrictPhys { "FrictPhys" };
+inline Kind isScGeom { "ScGeom" }, isFrictPhys { "FrictPhys" }, isCohFrictPhys { "CohFrictPhys" };
 
 } // namespace cd_engine

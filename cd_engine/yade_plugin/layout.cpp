@@ -171,8 +171,8 @@ namespace {
 	// The plug-in takes a pointer to an object for one to its Factorable and back: that base must come first.
 	void surveyBases(Survey& s)
 	{
-		for (const char* const owner : { "Body", "State", "Interaction", "ScGeom", "FrictPhys", "FrictViscoPhys", "FrictMat", "Sphere", "Box",
-			 "Wall", "Facet", "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
+		for (const char* const owner : { "Body", "State", "Interaction", "ScGeom", "ScGeom6D", "FrictPhys", "FrictViscoPhys", "CohFrictPhys",
+			 "FrictMat", "CohFrictMat", "Sphere", "Box", "Wall", "Facet", "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
 			const std::string name = std::string(owner) + ".Factorable";
 			const Shared<yade::Factorable> object = make(owner);
 			const long offset = reinterpret_cast<char*>(object.get()) - static_cast<char*>(dynamic_cast<void*>(object.get()));

@@ -69,6 +69,8 @@ inline Member<unsigned> state_blockedDOFs { "State", "blockedDOFs", 304 };
 inline Member<int> material_id { "Material", "id" };
 inline Member<double> sphere_radius { "Sphere", "radius" }, frictMat_frictionAngle { "FrictMat", "frictionAngle" };
 inline Member<double> elastMat_young { "ElastMat", "young" }, elastMat_poisson { "ElastMat", "poisson" };
+inline Member<double> cohMat_etaRoll { "CohFrictMat", "etaRoll" }, cohMat_alphaKr { "CohFrictMat", "alphaKr" };
+inline Member<bool> cohMat_momentRotationLaw { "CohFrictMat", "momentRotationLaw" };
 inline Member<Vector3r> box_extents { "Box", "extents" };
 inline Member<std::vector<Vector3r>> facet_vertices { "Facet", "vertices" };
 inline Member<int> wall_sense { "Wall", "sense" }, wall_axis { "Wall", "axis" };
@@ -87,6 +89,10 @@ inline Member<double> phys_kn { "NormPhys", "kn" }, phys_ks { "NormShearPhys", "
 inline Member<double> phys_tangensOfFrictionAngle { "FrictPhys", "tangensOfFrictionAngle" };
 inline Member<Vector3r> phys_normalForce { "NormPhys", "normalForce" }, phys_shearForce { "NormShearPhys", "shearForce" };
 inline Member<Vector3r> phys_normalViscous { "FrictViscoPhys", "normalViscous" };
+
+inline Member<Vector3r> cohPhys_moment { "CohFrictPhys", "moment_bending" };
+inline Member<double> cohPhys_kr { "RotStiffFrictPhys", "kr" }, cohPhys_maxRollPl { "CohFrictPhys", "maxRollPl" };
+inline Member<bool> cohPhys_momentRotationLaw { "CohFrictPhys", "momentRotationLaw" };
 
 inline Member<std::vector<int>> partial_ids { "PartialEngine", "ids" };
 inline Member<int> collider_avoidSelfInteractionMask { "Collider", "avoidSelfInteractionMask" };

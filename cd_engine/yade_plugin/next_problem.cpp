@@ -54,6 +54,7 @@ py::tuple ContactDynamics::nextProblem()
 	double length = bodyOrderLength;
 	SceneLink<cd::Plane> copy;
 	copy.stiffness = stiffnessSettings();
+	copy.mask = mask;
 	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
 	copy.setValues(readPairValues());
 	try {
@@ -61,6 +62,10 @@ py::tuple ContactDynamics::nextProblem()
 	} catch (const LeavesPlane&) {
 		throw SceneError(inSpaceOnly);
 	}
+	if (copy.world.rolls())
+		throw SceneError(
+		    "ContactDynamics: a file cannot hold the rolling resistance of a CohFrictMat. Set etaRoll to 0 to export the problem "
+		    "without it");
 	if (handover && copy.world.compliant())
 		copy.forgetOverlaps();
 	else if (handover)

@@ -16,44 +16,78 @@ void prefetchBody(const KnownBody& known)
 	prefetch(known.state, { state_pos, state_vel, state_angVel, state_inertia, state_blockedDOFs });
 }
 
-template <class Space> void SceneLink<Space>::readVelocity(int id, Body& body) const
+template <class Space> void SceneLink<Space>::readVelocity(int id, Body& body)
 {
 	for (int k = 0; k < Space::freedoms; k++)
 		body.v[k] = frame.velocity(bodies[id].state, k);
+	if (world.surfaces.empty())
+		return;
+	std::array<double, Space::freedoms> now {};
+	if (!(body_groupMask(bodies[id].body) & mask)) {
+		std::copy_n(body.v, Space::freedoms, now.begin());
+		std::fill_n(body.v, Space::freedoms, 0.);
+	}
+	newSurfaces = newSurfaces || now != world.surfaces[id];
+	world.surfaces[id] = now;
 }
 
 template <class Space> void SceneLink<Space>::readFriction(int id, void* mat)
 {
 	static Kind isFrictMat { "FrictMat" };
-	KnownBody& known = bodies[id];
+	KnownBody& body = bodies[id];
 	if (!mat || !isFrictMat(mat))
 		refuseBody(id, "has a material without friction angle", "Set O.bodies[#].mat to a FrictMat or a material derived from it");
-	if (const void* const vtable = *static_cast<const void* const*>(mat);
-	    std::find(materials.begin(), materials.end(), vtable) == materials.end()) {
-		materials.push_back(vtable);
-		if (const std::string name = className(mat); name != "FrictMat")
+	const void* const vtable = *static_cast<const void* const*>(mat);
+	auto known = std::find_if(materials.begin(), materials.end(), [&](const MaterialClass& m) { return m.vtable == vtable; });
+	if (known == materials.end()) {
+		const std::string name = className(mat);
+		known = materials.insert(known, { vtable, isA(name, "CohFrictMat") });
+		const char* const also = known->rolls ? " and, with its momentRotationLaw, etaRoll" : "";
+		if (name != "FrictMat")
 			warnOnce(stiffness.rigid()
-				? text("of a ", name, " only the frictionAngle is used: rigid contacts have no stiffness, cohesion or damping.")
-				: text("of a ", name, " only the members of a FrictMat are used, not its cohesion or damping."),
+				? text("of a ", name, " only the frictionAngle", also,
+				    " is used: rigid contacts have no stiffness, cohesion or damping.")
+				: text("of a ", name, " only the members of a FrictMat", also, " are used, not its cohesion or damping."),
 			    text("(Body #", id, " has one.) Use a FrictMat to say so, and `restitution` for bouncing."));
 	}
+	body.etaRoll = 0;
+	if (known->rolls)
+		readRolling(id, mat);
 	if (stiffness.ofMaterials) {
-		known.young = elastMat_young(mat);
-		known.poisson = elastMat_poisson(mat);
-		if (!(known.young > 0 && std::isfinite(known.young) && known.poisson >= 0 && std::isfinite(known.poisson)))
-			refuseBody(id, text("has a material with young = ", known.young, " Pa and poisson = ", known.poisson),
+		body.young = elastMat_young(mat);
+		body.poisson = elastMat_poisson(mat);
+		if (!(body.young > 0 && std::isfinite(body.young) && body.poisson >= 0 && std::isfinite(body.poisson)))
+			refuseBody(id, text("has a material with young = ", body.young, " Pa and poisson = ", body.poisson),
 			    "With materialStiffness, set O.bodies[#].mat.young above 0 and .poisson (k_t/k_n of two equal bodies) to at least 0");
 	}
-	known.material = material_id(mat);
+	body.material = material_id(mat);
 	const double angle = frictMat_frictionAngle(mat);
-	if (angle == known.frictionAngle)
+	if (angle == body.frictionAngle)
 		return;
 	const double mu = std::tan(angle);
 	if (!(angle >= 0 && angle < 1.5707963267948966 && mu <= 1e6)) // with far larger mu rounding hides that a contact closes
 		refuseBody(id, text("has the friction angle ", angle, " rad, mu = ", mu),
 		    "Set O.bodies[#].mat.frictionAngle = math.atan(mu) with a mu from 0 to 1e6");
-	known.frictionAngle = angle;
+	body.frictionAngle = angle;
 	world.bodies[id].friction = mu;
+}
+
+// As YADE, a contact has a moment only if both materials have a momentRotationLaw.
+template <class Space> void SceneLink<Space>::readRolling(int id, void* mat)
+{
+	KnownBody& body = bodies[id];
+	const double eta = cohMat_etaRoll(mat), alpha = cohMat_alphaKr(mat);
+	if (!cohMat_momentRotationLaw(mat))
+		return;
+	if (!(eta < 0 || (eta <= 1e6 && alpha >= 0 && std::isfinite(alpha))))
+		refuseBody(id, text("has a material with etaRoll = ", eta, " and alphaKr = ", alpha),
+		    "Set O.bodies[#].mat.etaRoll to a share of the radius, from 0 to 1e6, and alphaKr to at least 0");
+	if (eta < 0)
+		warnOnce("a CohFrictMat has a momentRotationLaw and a negative etaRoll, for moments without a bound, which are not known here.",
+		    text("(Body #", id, " has one.) Its contacts get no moment. Set etaRoll to the bound, as a share of the radius."));
+	body.etaRoll = std::max(eta, 0.);
+	body.alphaKr = alpha;
+	anyRolls = anyRolls || eta > 0;
 }
 
 // Warns if somebody sets the position of a body without that freedom step by step, since no disk sees it come. Once or twice may be a new beginning.
@@ -92,6 +126,8 @@ template <class Space> void SceneLink<Space>::readBody(int id, const Shared<yade
 		known = KnownBody();
 		world.bodies[id] = Body();
 		world.masks[id] = 0;
+		if (!world.surfaces.empty())
+			world.surfaces[id] = {};
 		return;
 	}
 	if (!same) {
@@ -133,6 +169,10 @@ template <class Space> void SceneLink<Space>::gatherBodies(yade::Scene* scene)
 	world.shapes.resize(count);
 	world.masks.resize(count, 0);
 	forces.sync();
+	anyRolls = false;
+	newSurfaces = newSurfaces || world.surfaces.empty() != (mask == 0);
+	maskBefore = mask;
+	world.surfaces.resize(mask > 0 ? count : 0);
 	for (int id = 0; id < count; id++) {
 		if (id + ahead < count)
 			prefetchBody(bodies[id + ahead]);
@@ -147,7 +187,7 @@ template <class Space> void SceneLink<Space>::gatherBodies(yade::Scene* scene)
 
 template void SceneLink<cd::Plane>::gatherBodies(yade::Scene*);
 template void SceneLink<cd::Space3>::gatherBodies(yade::Scene*);
-template void SceneLink<cd::Plane>::readVelocity(int, cd::Body&) const;
-template void SceneLink<cd::Space3>::readVelocity(int, cd::SpaceBody&) const;
+template void SceneLink<cd::Plane>::readVelocity(int, cd::Body&);
+template void SceneLink<cd::Space3>::readVelocity(int, cd::SpaceBody&);
 
 } // namespace cd_engine

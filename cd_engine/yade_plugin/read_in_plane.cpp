@@ -85,7 +85,7 @@ template <> void SceneLink<cd::Plane>::checkMotion(int id)
 			" angular velocities to 0"));
 }
 
-template <> void SceneLink<cd::Plane>::readMotion(int id, cd::Body& body, yade::ForceContainer& forces) const
+template <> void SceneLink<cd::Plane>::readMotion(int id, cd::Body& body, yade::ForceContainer& forces)
 {
 	void* const state = bodies[id].state;
 	const Vector3r& position = state_pos(state);
@@ -105,6 +105,9 @@ template <> void SceneLink<cd::Plane>::readMotion(int id, cd::Body& body, yade::
 	std::fill_n(body.force, cd::Plane::freedoms, 0.);
 	if (!moves && !turns)
 		return;
+	if (!world.surfaces.empty() && !(body_groupMask(bodies[id].body) & mask))
+		refuseBody(id, text("is free to move, but shares no bit of its groupMask with mask=", mask, ", which is for belts"),
+		    "Set O.bodies[#].groupMask to one that shares a bit, or block its degrees of freedom (state.blockedDOFs)");
 	Vector3r force = forces.getForce(id), torque = forces.getTorque(id);
 	if (inspecting)
 		readPermanentForce(id, force, torque);

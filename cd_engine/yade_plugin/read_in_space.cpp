@@ -33,7 +33,13 @@ namespace {
 
 } // namespace
 
-template <> void SceneLink<cd::Space3>::findFrame(yade::BodyContainer&) { pull = gravity; }
+template <> void SceneLink<cd::Space3>::findFrame(yade::BodyContainer&)
+{
+	if (mask != 0)
+		throw SceneError(text("ContactDynamics: mask=", mask, " is for belts, which are known in the plane only. Set mask to 0, and move the "
+			"boundary itself"));
+	pull = gravity;
+}
 
 template <> void SceneLink<cd::Space3>::readOrientation(int id)
 {
@@ -57,7 +63,7 @@ template <> void SceneLink<cd::Space3>::checkMotion(int id)
 		refuseBody(id, "belongs to a clump", releaseClump);
 }
 
-template <> void SceneLink<cd::Space3>::readMotion(int id, cd::SpaceBody& body, yade::ForceContainer& forces) const
+template <> void SceneLink<cd::Space3>::readMotion(int id, cd::SpaceBody& body, yade::ForceContainer& forces)
 {
 	void* const state = bodies[id].state;
 	body.at = read(state_pos(state));

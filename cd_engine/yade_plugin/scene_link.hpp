@@ -46,6 +46,7 @@ struct KnownBody {
 	double frictionAngle = 0; // [rad]; its tangent is in world.bodies
 	double young = 0, poisson = 0; // of its material [Pa], [1]
 	int material = -1; // its id in O.materials
+	double etaRoll = 0, alphaKr = 0; // of a CohFrictMat with momentRotationLaw [1]; else 0
 };
 void prefetchBody(const KnownBody&);
 
@@ -54,6 +55,7 @@ struct ForceObjects {
 	Shared<yade::IGeom> geom {}; // null: none, or of a class that cannot hold a contact's force
 	Shared<yade::IPhys> phys {};
 	bool real = false; // whether the interaction has objects now: these, or others if geom is null
+	bool holdMoment = false; // phys is a CohFrictPhys
 
 	bool inUse() const { return real && geom; }
 };
@@ -90,7 +92,8 @@ template <class Space> class SceneLink {
     public:
 	World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
-	StiffnessSettings stiffness; // to be set before the scene is read
+	StiffnessSettings stiffness; // to be set before the scene is read,
+	int mask = 0; // like this: ContactDynamics::mask
 
 	// What holds for pairs from the next gather on. Returns whether it is new. Throws SceneError for values out of range.
 	bool setValues(const PairValues&);
@@ -148,15 +151,16 @@ template <class Space> class SceneLink {
 	void findLayer(yade::BodyContainer&);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);
-	void readVelocity(int id, Body&) const;
+	void readVelocity(int id, Body&);
 	void readOrientation(int id);
 	bool readShape(int id, Body&);
 	bool readDisk(int id, Body&);
 	bool readBox(int id, Shape&);
 	bool readWall(int id, Shape&);
 	void readFriction(int id, void* mat);
+	void readRolling(int id, void* mat);
 	void warnOfPlacing(int id, const Vector& before, long step);
-	void readMotion(int id, Body&, yade::ForceContainer&) const;
+	void readMotion(int id, Body&, yade::ForceContainer&);
 	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, Sleepers&);
 	void warnOfUnheldBoundaries(double dt);
 	void keepPairs();
@@ -170,6 +174,9 @@ template <class Space> class SceneLink {
 	void setFriction(cd::Threads&);
 	void setStiffness(Sleepers&);
 	cd::Stiffness stiffnessOf(const cd::Pair&) const;
+	void setRolling(Sleepers&);
+	cd::Rolling rollingOf(const cd::Pair&) const;
+	bool rolls(std::size_t pair) const { return world.rolls() && world.rollings[pair].bound > 0; }
 	Touch touchAfterStep(std::size_t pair) const;
 	void setPairFriction();
 	void setRestitution();
@@ -188,7 +195,13 @@ template <class Space> class SceneLink {
 
 	PairValues values;
 	bool newValues = false; // whether the pairs have other values
-	std::vector<const void*> materials; // vtables of the classes of materials that have been met
+	// A class of materials that has been met, by its vtable.
+	struct MaterialClass {
+		const void* vtable;
+		bool rolls; // it is a CohFrictMat
+	};
+	std::vector<MaterialClass> materials;
+	bool anyRolls = false; // whether a body of the scene has a material that resists rolling
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
 	std::vector<std::array<cd::Vector3, 3>> corners; // of the facets, in their own axes [m]; empty if there are none
@@ -197,13 +210,15 @@ template <class Space> class SceneLink {
 	cd::PairSearchOf<Space> search;
 	std::vector<yade::Interaction*> interactions; // of world.pairs; null: the pair has carried nothing yet
 	std::vector<ForceObjects> objects; // of world.pairs, as last read or published
-	std::vector<ForceObjects> pool; // of pairs that no longer exist, for reuse
+	std::vector<ForceObjects> pool, momentPool; // of pairs that no longer exist, for reuse; the second ones hold moments
 	std::vector<yade::Interaction*> parted; // of pairs that no longer exist, until the scene is published
 	bool inspecting = false; // the scene is only inspected, not changed
 	std::set<std::string> warned; // warnings that have been printed
 	bool placesBoundaries = false;
 	bool unpublished = false; // whether the scene is out of date
 	std::vector<int> driven; // boundaries whose velocities in the scene are up to date nevertheless
+	int maskBefore = 0; // when the bodies were last read
+	bool newSurfaces = false; // whether a surface has another velocity
 	bool finite = true; // whether the motion after the last step is finite
 	double lastDt = 0; // length of the last step [s]
 	Vector3r gravity = Vector3r::Zero(), pull = Vector3r::Zero(); // pull: gravity in the plane
@@ -219,7 +234,7 @@ template <class Space> class SceneLink {
 	template <> void SceneLink<Space>::checkMotion(int);                                                                                         \
 	template <> void SceneLink<Space>::readOrientation(int);                                                                                     \
 	template <> bool SceneLink<Space>::readShape(int, cd::BodyOf<Space>&);                                                                       \
-	template <> void SceneLink<Space>::readMotion(int, cd::BodyOf<Space>&, yade::ForceContainer&) const;                                         \
+	template <> void SceneLink<Space>::readMotion(int, cd::BodyOf<Space>&, yade::ForceContainer&);                                               \
 	template <> std::string SceneLink<Space>::placeOf(const cd::BodyOf<Space>&) const;                                                           \
 	template <> void SceneLink<Space>::orient(int);                                                                                              \
 	template <> Space::Carried SceneLink<Space>::readForce(std::size_t, bool);                                                                   \
@@ -227,6 +242,7 @@ template <class Space> class SceneLink {
 	template <> void SceneLink<Space>::writePlace(std::size_t) const;                                                                            \
 	template <> bool SceneLink<Space>::rotate(std::size_t);                                                                                      \
 	template <> void SceneLink<Space>::addForces(yade::ForceContainer&, int, const cd::Account<Space>::Impulse&) const;                          \
+	template <> void SceneLink<Space>::setRolling(cd::Sleepers<Space>&);                                                                         \
 	template <> cd::TouchOf<Space> SceneLink<Space>::touchAfterStep(std::size_t) const;
 CD_ENGINE_OF_SPACE(cd::Plane)
 CD_ENGINE_OF_SPACE(cd::Space3)

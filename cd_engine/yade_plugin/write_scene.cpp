@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace cd_engine {
 namespace {
@@ -51,11 +52,16 @@ namespace {
 template <class Space> void SceneLink<Space>::recycle(ForceObjects&& o)
 {
 	static Kind isPlainGeom { "ScGeom", Kind::exactly }, isPlainPhys { "FrictPhys", Kind::exactly };
-	if (o.geom.use_count() == 1 && o.phys.use_count() == 1 && isPlainGeom(o.geom.get()) && isPlainPhys(o.phys.get())
-	    && (phys_kn(o.phys) == 0 || world.compliant())) {
-		phys_kn(o.phys) = phys_ks(o.phys) = 0;
-		pool.push_back(std::move(o));
-	}
+	static Kind isTurningGeom { "ScGeom6D", Kind::exactly }, isMomentPhys { "CohFrictPhys", Kind::exactly };
+	if (o.geom.use_count() != 1 || o.phys.use_count() != 1 || !(phys_kn(o.phys) == 0 || world.compliant()))
+		return;
+	o.holdMoment = isMomentPhys(o.phys.get());
+	if (o.holdMoment ? !isTurningGeom(o.geom.get()) : !isPlainGeom(o.geom.get()) || !isPlainPhys(o.phys.get()))
+		return;
+	phys_kn(o.phys) = phys_ks(o.phys) = 0;
+	if (o.holdMoment)
+		cohPhys_kr(o.phys) = 0;
+	(o.holdMoment ? momentPool : pool).push_back(std::move(o));
 }
 
 // Gives an interaction to a pair that carries something for the first time.
@@ -93,11 +99,16 @@ template <class Space> void SceneLink<Space>::eraseParted(yade::Scene* scene)
 template <class Space> void SceneLink<Space>::makeReal(std::size_t index)
 {
 	ForceObjects& o = objects[index];
-	if (!o.geom && pool.empty())
-		o = { create<yade::IGeom>("ScGeom"), create<yade::IPhys>("FrictPhys") };
+	const bool moment = rolls(index);
+	if (moment && !o.holdMoment)
+		recycle(std::exchange(o, {}));
+	std::vector<ForceObjects>& kept = moment ? momentPool : pool;
+	if (!o.geom && kept.empty())
+		o = { create<yade::IGeom>(moment ? "ScGeom6D" : "ScGeom"), create<yade::IPhys>(moment ? "CohFrictPhys" : "FrictPhys"), false,
+			moment };
 	else if (!o.geom) {
-		o = std::move(pool.back());
-		pool.pop_back();
+		o = std::move(kept.back());
+		kept.pop_back();
 	}
 	o.real = true;
 	interaction_geom(interactions[index]) = o.geom;
@@ -132,6 +143,13 @@ template <> void SceneLink<cd::Plane>::writeVectors(std::size_t index, const cd:
 	geom_normal(g) = frame.toSpace(carried.nx, carried.ny);
 	phys_normalForce(p) = frame.toSpace(carried.fn[0], carried.fn[1]);
 	phys_shearForce(p) = frame.toSpace(carried.ft[0], carried.ft[1]);
+	if (!objects[index].holdMoment)
+		return;
+	cohPhys_moment(p) = frame.torque(carried.moment);
+	cohPhys_momentRotationLaw(p) = rolls(index);
+	cohPhys_maxRollPl(p) = rolls(index) ? world.rollings[index].bound : 0;
+	if (world.compliant() && rolls(index))
+		cohPhys_kr(p) = world.rollings[index].stiffness;
 }
 
 template <> void SceneLink<cd::Space3>::writeVectors(std::size_t index, const cd::SpaceTouch& touch) const
@@ -249,7 +267,7 @@ template <class Space> void SceneLink<Space>::publishScene(yade::Scene* scene, c
 		if (world.carries(i)) {
 			if (!interactions[i])
 				insert(*scene_interactions(scene), i);
-			if (!objects[i].inUse())
+			if (!objects[i].inUse() || (rolls(i) && !objects[i].holdMoment))
 				makeReal(i);
 			writeContact(i, world.compliant() ? touchAfterStep(i) : step.touchOf(world, i));
 		} else if (objects[i].real) {

@@ -28,7 +28,7 @@ namespace {
 		for (std::size_t i = 0; i < moved.size(); i++)
 			moved[i] = { motionOf<Space>(&freeVelocity[Space::freedoms * i]), system.bodies[i].pushed };
 		for (const ContactRow<Space>& c : system.contacts) {
-			const BodyVelocity<Space>&A = system.bodies[c.a], &B = system.bodies[c.b];
+			const BodyVelocityIn<Space>&A = system.bodies[c.a], &B = system.bodies[c.b];
 			const bool passes = c.wnn > 0; // else nothing can move along the normal
 			Moved<Space>&a = moved[c.a], &b = moved[c.b];
 			const ImpulseOf<Space> p = impulseOf(c);
@@ -175,11 +175,14 @@ void addResiduals(const ContactSystem<Space>& system, const std::vector<double>&
 }
 
 template Residual residual(const ContactSystem<Plane>&, const std::vector<double>&);
+template Residual residual(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 template Residual residual(const ContactSystem<Space3>&, const std::vector<double>&);
 template void addResiduals(
     const ContactSystem<Plane>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
 template void addResiduals(
     const ContactSystem<Space3>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
+template void addResiduals(
+    const ContactSystem<RollingPlane>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
 
 Residual residual(const DelassusSystem& system)
 {

@@ -51,7 +51,7 @@ template <class Space> bool Partition::sameLinks(const ContactSystem<Space>& sys
 template <class Space> bool Partition::update(const ContactSystem<Space>& system, Threads* threads)
 {
 	assert(knows(system) || system.consistent());
-	const auto count = [](const BodyVelocity<Space>& b) { return static_cast<uint8_t>(freedoms(b)); };
+	const auto count = [](const BodyVelocityIn<Space>& b) { return static_cast<uint8_t>(freedoms(b)); };
 	const bool bodies = renew(freedom, system.bodies, count, threads);
 	const bool contacts = sameLinks(system, threads);
 	if (bodies && contacts)
@@ -68,6 +68,7 @@ template <class Space> bool Partition::update(const ContactSystem<Space>& system
 }
 
 template bool Partition::update(const ContactSystem<Plane>&, Threads*);
+template bool Partition::update(const ContactSystem<RollingPlane>&, Threads*);
 template bool Partition::update(const ContactSystem<Space3>&, Threads*);
 
 void Partition::number()

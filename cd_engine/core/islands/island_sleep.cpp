@@ -181,7 +181,7 @@ void IslandSolver<Space>::tryRest(ContactSystem& system, const Stillness& stilln
 	for (std::size_t i = 0; i < part.bodies.size(); i++) {
 		const int32_t body = part.bodies[i], k = partition.ofBody[body];
 		for (int j = 0; k >= 0 && islands[k].calm && j < Space::freedoms; j++) {
-			const BodyVelocity<Space>& u = part.system.bodies[i];
+			const BodyVelocityIn<Space>& u = part.system.bodies[i];
 			system.bodies[body].v[j] = 0;
 			if (!(u.w[j] > 0))
 				continue;
@@ -215,5 +215,8 @@ template void IslandSolver<Plane>::tryRest(ContactSystem&, const Stillness&, con
 template void IslandSolver<Space3>::tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 template void IslandSolver<Plane>::stop(ContactSystem&, const Sleepers&, Effort&);
 template void IslandSolver<Space3>::stop(ContactSystem&, const Sleepers&, Effort&);
+template void IslandSolver<RollingPlane>::findAsleep(ContactSystem&, const std::vector<Body>&, double);
+template void IslandSolver<RollingPlane>::tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
+template void IslandSolver<RollingPlane>::stop(ContactSystem&, const Sleepers&, Effort&);
 
 } // namespace cd

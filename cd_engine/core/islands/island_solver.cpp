@@ -30,7 +30,7 @@ namespace {
 	}
 
 	// The impulses of a contact that no other contact influences.
-	template <class Space> ImpulseOf<Space> solveAlone(const ContactRow<Space>& c, const BodyVelocity<Space>& A, const BodyVelocity<Space>& B)
+	template <class Space> ImpulseOf<Space> solveAlone(const ContactRow<Space>& c, const BodyVelocityIn<Space>& A, const BodyVelocityIn<Space>& B)
 	{
 		return solveContact(c, inLaw(c, relativeVelocity(c, A, B), ImpulseOf<Space> {}));
 	}
@@ -41,7 +41,7 @@ template <class Space> SolverReport solveWhole(ContactSystem<Space>& system, Sol
 {
 	const SolverReport report = method(system, settings);
 	effort = {};
-	for (const BodyVelocity<Space>& b : system.bodies)
+	for (const BodyVelocityIn<Space>& b : system.bodies)
 		effort.unknowns += freedoms(b);
 	effort.islands = !system.contacts.empty();
 	effort.resting = effort.islands && report.iterations == 0;
@@ -273,7 +273,9 @@ SolverReport IslandSolver<Space>::operator()(
 
 template SolverReport solveWhole(ContactSystem<Plane>&, Solver<Plane>, const SolverSettings&, Effort&);
 template SolverReport solveWhole(ContactSystem<Space3>&, Solver<Space3>, const SolverSettings&, Effort&);
-template class IslandSolver<Plane>;
 template class IslandSolver<Space3>;
+template SolverReport solveWhole(ContactSystem<RollingPlane>&, Solver<RollingPlane>, const SolverSettings&, Effort&);
+template class IslandSolver<Plane>;
+template class IslandSolver<RollingPlane>;
 
 } // namespace cd

@@ -35,16 +35,17 @@ template <class Space> SolverReport solveWhole(ContactSystem<Space>&, Solver<Spa
 // fixedIterations or a random order refer to the whole system; it is then solved as a whole. iterations: the most made on any island.
 template <class Space> class IslandSolver {
 	using Body = BodyOf<Space>;
+	using World = WorldOf<typename Space::Scene>;
 	using ContactSystem = cd::ContactSystem<Space>;
-	using Sleepers = cd::Sleepers<Space>;
+	using Sleepers = cd::Sleepers<typename Space::Scene>;
 	using Solver = cd::Solver<Space>;
-	using Stillness = cd::Stillness<Space>;
+	using Stillness = cd::Stillness<typename Space::Scene>;
 
     public:
 	SolverReport operator()(ContactSystem&, Solver, const SolverSettings&, Effort&, const Stillness* = nullptr);
 
 	// Puts the islands to sleep that the last call has found asleep.
-	void putToSleep(Sleepers& sleepers, const WorldOf<Space>& world) const { sleepers.add(world, found, partition.name); }
+	void putToSleep(Sleepers& sleepers, const World& world) const { sleepers.add(world, found, partition.name); }
 
     private:
 	enum class State : uint8_t { open, solved, unsolvable, asleep }; // unsolvable: according to its method

@@ -15,6 +15,7 @@
 namespace cd {
 
 template <class Space> struct PackedBody;
+template <class Space> using PackedBodyIn = PackedBody<typename Space::Scene>;
 template <class Space> struct Group;
 template <class Space> struct GroupSprings;
 template <class Space> struct GroupBefore; // the impulses of a group one sweep ago

@@ -9,6 +9,8 @@ namespace cd {
 #define KERNEL(name)                                                                                                                                 \
 	constexpr GroupKernel<Plane> kernel = { name, sweep<Plane>, sweepAhead<Plane>, extrapolate<Plane>, addImpulses<Plane>, miss<Plane>,          \
 		sweepRows, extrapolateRows, overlaps, assemble, effects, assembleGroup };                                                            \
+	constexpr GroupKernel<RollingPlane> rollingKernel = { name, sweep<RollingPlane>, sweepAhead<RollingPlane>, extrapolate<RollingPlane>,        \
+		addImpulses<RollingPlane>, miss<RollingPlane>, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr };                               \
 	constexpr GroupKernel<Space3> spaceKernel = { name, sweep<Space3>, sweepAhead<Space3>, extrapolate<Space3>, addImpulses<Space3>,             \
 		miss<Space3>, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr }
 
@@ -54,6 +56,12 @@ namespace {
 		return __builtin_cpu_supports("x86-64-v4") ? 0 : __builtin_cpu_supports("x86-64-v3") ? 1 : 2;
 	}
 
+	const GroupKernel<RollingPlane> withRolling[] = {
+		avx512::rollingKernel,
+		avx2::rollingKernel,
+		any_processor::rollingKernel,
+	};
+
 	const GroupKernel<Space3> inSpace[] = {
 		avx512::spaceKernel,
 		avx2::spaceKernel,
@@ -66,6 +74,7 @@ namespace {
 
 template <> GroupKernels<Plane> groupKernels() { return { all + firstSupported(), known - firstSupported() }; }
 template <> const GroupKernel<Plane>& groupKernel() { return all[chosen]; }
+template <> const GroupKernel<RollingPlane>& groupKernel() { return withRolling[chosen]; }
 template <> const GroupKernel<Space3>& groupKernel() { return inSpace[chosen]; }
 template <> void useGroupKernel(const GroupKernel<Plane>& kernel) { chosen = static_cast<std::size_t>(&kernel - all); }
 

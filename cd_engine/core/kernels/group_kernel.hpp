@@ -3,6 +3,7 @@
 
 #include "problem/problem.hpp"
 #include "kernels/group_in_space.hpp"
+#include "kernels/group_rolling.hpp"
 
 #include <cstddef>
 
@@ -52,7 +53,7 @@ struct RowSettings {
 };
 
 template <class Space> struct GroupKernel {
-	using PackedBody = cd::PackedBody<Space>;
+	using PackedBody = PackedBodyIn<Space>;
 	using Group = cd::Group<Space>;
 	using GroupSprings = cd::GroupSprings<Space>;
 	using GroupBefore = cd::GroupBefore<Space>;
@@ -70,7 +71,7 @@ template <class Space> struct GroupKernel {
 	// Measures how far the contacts miss the contact law at these velocities. The member w of `moved` holds what acts on the body [m/s]. Adds to
 	// the sums, and writes the values of each contact to `each` if it is not null.
 	void (*miss)(const Group* groups, const GroupSprings* springs, std::size_t count, const PackedBody* moved, LaneMisses& sums, GroupMiss* each);
-	// From here on for the plane only, null in space.
+	// From here on for the plane without rolling resistance only, null elsewhere.
 	// For sweeps over rows of W: solves the contacts of the groups from .. to - 1 in turn, while the others are held. Where `before` is not null,
 	// the impulses must already have the values of y, and `steps` gets the results.
 	void (*sweepRows)(const RowGroups& rows, const ImpulsePairs* before, AheadReport* steps, std::size_t from, std::size_t to);
@@ -79,13 +80,14 @@ template <class Space> struct GroupKernel {
 	// Where the disks of `count` times eight pairs touch.
 	void (*overlaps)(const Place* places, PairLanes* pairs, std::size_t count, double nearby);
 	// The rows of `count` pairs, which begin in the first lane; wnn = 0 where `a` is no disk, or a body cannot turn or can hardly move.
-	void (*assemble)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes* pairs,
+	void (*assemble)(const Place* places, const BodyVelocityIn<Space>* bodies, const Carried* carried, const PairLanes* pairs,
 	    ContactRow<Space>* rows, std::size_t count, const RowSettings& settings);
 	// What `count` impulses p do.
-	void (*effects)(const Place* places, const Mean* means, const BodyVelocity<Space>* bodies, const Carried* carried, const ImpulseOf<Space>* p,
-	    std::size_t count, const PairLanes* pairs, PairEffects* effects, std::size_t groups, const RowSettings& settings);
+	void (*effects)(const Place* places, const Mean* means, const BodyVelocityIn<Space>* bodies, const Carried* carried,
+	    const ImpulseOf<Space>* p, std::size_t count, const PairLanes* pairs, PairEffects* effects, std::size_t groups,
+	    const RowSettings& settings);
 	// The contacts of eight pairs as a group, and its springs if they have a stiffness. Returns the lanes, a bit each, where wnn would be 0.
-	unsigned (*assembleGroup)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes& pairs,
+	unsigned (*assembleGroup)(const Place* places, const BodyVelocityIn<Space>* bodies, const Carried* carried, const PairLanes& pairs,
 	    Group& group, GroupSprings* springs, const RowSettings& settings);
 };
 
@@ -104,7 +106,8 @@ template <class Space> void useGroupKernel(const GroupKernel<Space>&);
 
 template <> GroupKernels<Plane> groupKernels();
 template <> const GroupKernel<Plane>& groupKernel();
+template <> const GroupKernel<RollingPlane>& groupKernel();
 template <> const GroupKernel<Space3>& groupKernel();
-template <> void useGroupKernel(const GroupKernel<Plane>&); // in space, too; one of groupKernels()
+template <> void useGroupKernel(const GroupKernel<Plane>&); // elsewhere, too; one of groupKernels()
 
 } // namespace cd

@@ -142,17 +142,24 @@ INLINE Components<Vector> withoutVelocity(const Group& g, int lane, const Compon
 INLINE Spring<Vector> springOf(const GroupSprings& g, int lane) { return { load(g.n + lane), load(g.t + lane), load(g.bias + lane) }; }
 
 #include "kernels/space_kernel.inl"
+#include "kernels/rolling_kernel.inl"
+
+// The impulses of contacts while all others are held.
+template <class G, class Impulse> INLINE Impulse solution(const G& g, int lane, const Impulse& p, const Impulse& u)
+{
+	return cut<Vector>(withoutVelocity(g, lane, p, u), frictionOf(g, lane));
+}
 
 // Solves LANES contacts. The velocities of the bodies already contain the impulses p. Returns the new ones.
 template <bool compliant, class Space, class Impulse>
-INLINE Impulse solve(cd::Group<Space>& g, const cd::GroupSprings<Space>* springs, int lane, cd::PackedBody<Space>* bodies, const Impulse& p)
+INLINE Impulse solve(cd::Group<Space>& g, const cd::GroupSprings<Space>* springs, int lane, cd::PackedBodyIn<Space>* bodies, const Impulse& p)
 {
 	auto A = gather(bodies, g.a + lane), B = gather(bodies, g.b + lane);
 	const auto c = contactOf(g, lane);
 	Impulse u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
 	if constexpr (compliant)
 		u = yielding(u, springOf(*springs, lane), p);
-	const Impulse next = cut<Vector>(withoutVelocity(g, lane, p, u), frictionOf(g, lane));
+	const Impulse next = solution(g, lane, p, u);
 	setImpulses(g, lane, next);
 	push(actionOf(c, next - p), A, A.w, B, B.w);
 	scatter(bodies, g.a + lane, A);
@@ -172,7 +179,7 @@ template <class T> INLINE void fetch(const T* item)
 }
 
 template <bool compliant, class Space>
-INLINE void sweepGroups(cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, std::size_t count, cd::PackedBody<Space>* bodies)
+INLINE void sweepGroups(cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, std::size_t count, cd::PackedBodyIn<Space>* bodies)
 {
 	for (std::size_t k = 0; k < count; k++) {
 		fetch(groups + k + early);
@@ -182,7 +189,7 @@ INLINE void sweepGroups(cd::Group<Space>* groups, const cd::GroupSprings<Space>*
 }
 
 template <class Space>
-static void sweep(cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, std::size_t count, cd::PackedBody<Space>* bodies)
+static void sweep(cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, std::size_t count, cd::PackedBodyIn<Space>* bodies)
 {
 	if (springs)
 		sweepGroups<true>(groups, springs, count, bodies);
@@ -192,7 +199,7 @@ static void sweep(cd::Group<Space>* groups, const cd::GroupSprings<Space>* sprin
 
 template <bool compliant, class Space>
 INLINE void sweepGroupsAhead(cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, cd::GroupBefore<Space>* before, std::size_t count,
-    cd::PackedBody<Space>* bodies, double beta, LaneSums& sums)
+    cd::PackedBodyIn<Space>* bodies, double beta, LaneSums& sums)
 {
 	Vector change[Group::lanes / LANES], against[Group::lanes / LANES];
 	for (int half = 0; half < Group::lanes / LANES; half++) {
@@ -219,7 +226,7 @@ INLINE void sweepGroupsAhead(cd::Group<Space>* groups, const cd::GroupSprings<Sp
 
 template <class Space>
 static void sweepAhead(cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, cd::GroupBefore<Space>* before, std::size_t count,
-    cd::PackedBody<Space>* bodies, double beta, LaneSums& sums)
+    cd::PackedBodyIn<Space>* bodies, double beta, LaneSums& sums)
 {
 	if (springs)
 		sweepGroupsAhead<true>(groups, springs, before, count, bodies, beta, sums);
@@ -227,7 +234,7 @@ static void sweepAhead(cd::Group<Space>* groups, const cd::GroupSprings<Space>* 
 		sweepGroupsAhead<false>(groups, springs, before, count, bodies, beta, sums);
 }
 
-template <class Space> static void extrapolate(cd::PackedBody<Space>* bodies, cd::PackedBody<Space>* before, std::size_t count, double beta)
+template <class Space> static void extrapolate(cd::PackedBodyIn<Space>* bodies, cd::PackedBodyIn<Space>* before, std::size_t count, double beta)
 {
 	// The inverse masses are extrapolated, too, but do not change: w + beta (w - w) = w.
 	Quad *const of = reinterpret_cast<Quad*>(bodies), *const were = reinterpret_cast<Quad*>(before);
@@ -239,7 +246,7 @@ template <class Space> static void extrapolate(cd::PackedBody<Space>* bodies, cd
 	}
 }
 
-template <class Space> static void addImpulses(const cd::Group<Space>* groups, std::size_t count, cd::PackedBody<Space>* loads)
+template <class Space> static void addImpulses(const cd::Group<Space>* groups, std::size_t count, cd::PackedBodyIn<Space>* loads)
 {
 	for (std::size_t k = 0; k < count; k++) {
 		fetch(groups + k + early);
@@ -249,8 +256,8 @@ template <class Space> static void addImpulses(const cd::Group<Space>* groups, s
 			const auto c = contactOf(g, lane);
 			const auto p = impulsesOf(g, lane);
 			push(actionOf(c, p), A, UnitMass {}, B, UnitMass {});
-			A.w += actingOn(c.at, p);
-			B.w += actingOn(c.bt, p);
+			A.w += actingOnA(c, p);
+			B.w += actingOnB(c, p);
 			scatter(loads, g.a + lane, A);
 			scatter(loads, g.b + lane, B);
 		}
@@ -259,7 +266,7 @@ template <class Space> static void addImpulses(const cd::Group<Space>* groups, s
 
 template <bool compliant, class Space>
 INLINE void missOfGroups(const cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, std::size_t count,
-    const cd::PackedBody<Space>* moved, LaneMisses& sums, GroupMiss* each)
+    const cd::PackedBodyIn<Space>* moved, LaneMisses& sums, GroupMiss* each)
 {
 	for (std::size_t k = 0; k < count; k++) {
 		fetch(groups + k + early);
@@ -294,7 +301,7 @@ INLINE void missOfGroups(const cd::Group<Space>* groups, const cd::GroupSprings<
 }
 
 template <class Space>
-static void miss(const cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, std::size_t count, const cd::PackedBody<Space>* moved,
+static void miss(const cd::Group<Space>* groups, const cd::GroupSprings<Space>* springs, std::size_t count, const cd::PackedBodyIn<Space>* moved,
     LaneMisses& sums, GroupMiss* each)
 {
 	if (springs)

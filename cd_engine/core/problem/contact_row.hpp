@@ -16,6 +16,8 @@ template <class Space> struct alignas(64) BodyVelocity {
 	double w[Space::freedoms]; // 1/m along each axis [1/kg], 1/I [1/(kg m^2)]; 0 where the freedom is blocked
 	double twisted; // the same for the angular velocity, by the external torque [rad/s]
 };
+// Of the bodies of a system.
+template <class Space> using BodyVelocityIn = BodyVelocity<typename Space::Scene>;
 static_assert(sizeof(BodyVelocity<Plane>) == 64 && offsetof(BodyVelocity<Plane>, w) == 32);
 
 // Whether any inverse mass of a body is not 0.

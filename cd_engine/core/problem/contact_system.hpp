@@ -29,7 +29,7 @@ class Workspace;
 
 template <class Space> struct ContactSystem {
 	std::vector<std::array<double, Space::components>> places; // of the bodies' centres [m]; empty where they are not known
-	std::vector<BodyVelocity<Space>> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
+	std::vector<BodyVelocityIn<Space>> bodies; // v: the free velocity (after external forces) on entry, the solution on exit
 	ContactRows<Space> contacts; // solvers may sweep them in any order but must not reorder them
 	Workspace* memory = nullptr; // for those who work on it (workspace.hpp); null: they allocate their own each time
 	// Systems with the same memory and the same number have contacts between the same bodies, of the same masses. 0: nothing is known.

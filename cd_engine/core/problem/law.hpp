@@ -31,7 +31,7 @@ inline double actingOnA(const Motion<double>& w, const ContactRow<Plane>& c, con
 inline double actingOnB(const Motion<double>& w, const ContactRow<Plane>& c, const Components<double>& p) { return actingOn(w, c, c.bn, c.bt, p); }
 
 // u of one contact for the bodies' present velocities, without the bias.
-template <class Space> ImpulseOf<Space> relativeVelocity(const ContactRow<Space>& c, const BodyVelocity<Space>& A, const BodyVelocity<Space>& B)
+template <class Space> ImpulseOf<Space> relativeVelocity(const ContactRow<Space>& c, const BodyVelocityIn<Space>& A, const BodyVelocityIn<Space>& B)
 {
 	return relativeVelocity<false>(c, motionOf<Space>(A.v), motionOf<Space>(B.v));
 }
@@ -44,7 +44,7 @@ template <class Space> ImpulseOf<Space> inLaw(const ContactRow<Space>& c, Impuls
 }
 
 // Adds an impulse on `b` and its reaction on `a`.
-template <class Space> void applyImpulse(const ContactRow<Space>& c, BodyVelocity<Space>& A, BodyVelocity<Space>& B, const ImpulseOf<Space>& p)
+template <class Space> void applyImpulse(const ContactRow<Space>& c, BodyVelocityIn<Space>& A, BodyVelocityIn<Space>& B, const ImpulseOf<Space>& p)
 {
 	push(actionOf(c, p), velocityOf(A), motionOf<Space>(A.w), velocityOf(B), motionOf<Space>(B.w));
 }

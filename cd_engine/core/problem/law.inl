@@ -201,8 +201,13 @@ template <class N> LAW Components<N> solveLocal(const N& nn, const N& nt, const 
 	return { q.n < none ? n : none, q.n < none ? t : none };
 }
 
+// How much an impulse acts on the bodies of a contact, for unit masses.
+template <class Contact, class Impulse> LAW auto actingOnA(const Contact& c, const Impulse& p) { return actingOn(c.at, p); }
+template <class Contact, class Impulse> LAW auto actingOnB(const Contact& c, const Impulse& p) { return actingOn(c.bt, p); }
+
 #include "problem/springs.inl"
 
 #include "problem/law_in_space.inl"
+#include "problem/law_rolling.inl"
 
 #undef LAW

@@ -7,3 +7,4 @@
 #include "problem/delassus_system.hpp"
 #include "problem/law.hpp"
 #include "problem/law_in_space.hpp"
+#include "problem/law_rolling.hpp"

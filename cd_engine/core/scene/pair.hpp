@@ -23,18 +23,28 @@ struct Stiffness {
 	double kn, kt;
 };
 
+// How a pair resists rolling.
+struct Rolling {
+	double bound; // of the moment, over the normal force [m]; 0: it does not
+	double stiffness; // of the spring against rolling, if contacts have a stiffness [N m]; 0: there is none, and no moment
+
+	bool operator==(const Rolling& o) const { return bound == o.bound && stiffness == o.stiffness; }
+};
+
 // The force of a contact after the last step, as a scene keeps it. Times the length of the next step it is that step's first guess.
 struct alignas(64) Carried {
 	static constexpr long nothing = std::numeric_limits<long>::min();
 	double nx = 0, ny = 0; // unit normal a -> b in that step
 	double fn[Plane::components] = {}, ft[Plane::components] = {}; // normal and tangential force on b [N]
 	long since = nothing; // step in which the contact became loaded; `nothing`: it carries nothing, and the other members are 0
+	double moment = 0; // on b, where the contact resists rolling [N m]
 
 	bool any() const { return since != nothing; }
 	// Whether it is the same force; `since` may differ.
 	bool same(const Carried& o) const
 	{
-		return any() == o.any() && nx == o.nx && ny == o.ny && fn[0] == o.fn[0] && fn[1] == o.fn[1] && ft[0] == o.ft[0] && ft[1] == o.ft[1];
+		return any() == o.any() && nx == o.nx && ny == o.ny && fn[0] == o.fn[0] && fn[1] == o.fn[1] && ft[0] == o.ft[0] && ft[1] == o.ft[1]
+		    && moment == o.moment;
 	}
 	// Along the normal, and across it, times dt [N s].
 	std::array<double, 2> impulse(double dt) const

@@ -13,8 +13,10 @@ struct Touch;
 struct Vector;
 template <class N> struct Components; // law.inl
 template <class N> struct Motion;
+template <class N> struct RollingComponents; // law_rolling.inl
 
 struct Plane {
+	using Scene = Plane; // the description of its bodies and their shapes
 	static constexpr int freedoms = 3; // of a body: x, y, and the rotation about z
 	static constexpr int components = 2; // of a position or a force
 	using Impulse = Components<double>; // or a relative velocity
@@ -26,6 +28,11 @@ struct Plane {
 	using Shape = cd::Shape;
 	using Touch = cd::Touch;
 	using Vector = cd::Vector;
+};
+
+// The plane, where contacts resist rolling: they have a third component, a moment (law_rolling.inl).
+struct RollingPlane : Plane {
+	using Impulse = RollingComponents<double>;
 };
 
 template <class Space> using ImpulseOf = typename Space::Impulse;

@@ -14,6 +14,7 @@ template <class N> struct SpatialComponents; // law_in_space.inl
 template <class N> struct SpatialMotion;
 
 struct Space3 {
+	using Scene = Space3;
 	static constexpr int freedoms = 6; // of a body: x, y, z, and the rotations about them
 	static constexpr int components = 3; // of a position or a force
 	using Impulse = SpatialComponents<double>; // or a relative velocity

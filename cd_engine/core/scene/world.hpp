@@ -5,6 +5,8 @@
 #include "scene/pair.hpp"
 #include "scene/shape.hpp"
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 namespace cd {
@@ -20,15 +22,24 @@ template <class Space> struct WorldOf {
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
 	std::vector<Stiffness> stiffnesses; // of the pairs; empty: all contacts are rigid
+	std::vector<Rolling> rollings; // of the pairs; empty: none resists rolling
 	// Of each pair: its first contact, then the number of all. Empty where each pair has one, of its own number, as in the plane.
 	std::vector<int32_t> firstContact;
 	std::vector<typename Space::Carried> carried; // by contact
+	// Of each body: the velocity of its surface, if it stays in place (a belt). Empty: no surface moves. The velocities of the body itself are 0
+	// then.
+	std::vector<std::array<double, Space::freedoms>> surfaces;
 	std::vector<double> restitutions; // of the pairs; empty: StepSettings::restitution for all
 	// Of each shape [m]: the list of pairs holds every two whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
 	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::update fills it before every step
 
+	bool isBelt(std::size_t body) const
+	{
+		return !surfaces.empty() && std::any_of(surfaces[body].begin(), surfaces[body].end(), [](double v) { return v != 0; });
+	}
+	bool rolls() const { return !rollings.empty(); }
 	bool compliant() const { return !stiffnesses.empty(); }
 	// How far ahead of a step's beginning its contacts are located [s]: at the middle, or with stiffnesses, at the beginning.
 	double ahead(double dt) const { return compliant() ? 0 : 0.5 * dt; }

@@ -306,6 +306,7 @@ template <class Space> Feasibility feasibility(const ContactSystem<Space>& s, co
 }
 template Feasibility feasibility(const ContactSystem<Plane>&, const std::vector<double>&, double, int);
 template Feasibility feasibility(const ContactSystem<Space3>&, const std::vector<double>&, double, int);
+template Feasibility feasibility(const ContactSystem<RollingPlane>&, const std::vector<double>&, double, int);
 Feasibility feasibility(const DelassusSystem& s, double least, int products)
 {
 	const Borrowed<LeastSquares> search(s.memory);
@@ -329,6 +330,7 @@ template <class Space> bool surelySolvable(const ContactSystem<Space>& s, Thread
 }
 template bool surelySolvable(const ContactSystem<Plane>&, Threads*);
 template bool surelySolvable(const ContactSystem<Space3>&, Threads*);
+template bool surelySolvable(const ContactSystem<RollingPlane>&, Threads*);
 
 template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity)
 {
@@ -340,7 +342,7 @@ template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s,
 		for (const ContactRow<Space>& c : s.contacts)
 			if (c.wnn > 0) {
 				constexpr int n = Space::freedoms;
-				const double size = sizeOf<double>(c, c.bias, motionOf<Space>(&v[n * c.a]), motionOf<Space>(&v[n * c.b]));
+				const double size = sizeOf(c, c.bias, motionOf<Space>(&v[n * c.a]), motionOf<Space>(&v[n * c.b]));
 				fastest = std::max(fastest, -(normalVelocity(c, v) + c.bias) - roundOff * size);
 			}
 		return fastest;
@@ -359,5 +361,6 @@ template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s,
 }
 template double closingOfBoundaries(const ContactSystem<Plane>&, const std::vector<double>&);
 template double closingOfBoundaries(const ContactSystem<Space3>&, const std::vector<double>&);
+template double closingOfBoundaries(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 
 } // namespace cd

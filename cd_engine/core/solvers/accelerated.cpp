@@ -159,6 +159,7 @@ template <class Space> SolverReport accelerated(ContactSystem<Space>& system, co
 	return iterate<Sweep<Space>, Momentum<Sweep<Space>>>(system, settings);
 }
 template SolverReport accelerated(ContactSystem<Plane>&, const SolverSettings&);
+template SolverReport accelerated(ContactSystem<RollingPlane>&, const SolverSettings&);
 template SolverReport accelerated(ContactSystem<Space3>&, const SolverSettings&);
 SolverReport accelerated(DelassusSystem& system, const SolverSettings& settings) { return compared<DelassusSweep>(system, settings); }
 SolverReport accelerated(ConeSystem& system, const SolverSettings& settings) { return compared<ConeSweep>(system, settings); }

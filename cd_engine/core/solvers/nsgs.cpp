@@ -11,6 +11,7 @@ template <class Space> SolverReport nsgs(ContactSystem<Space>& system, const Sol
 	return iterate<Sweep<Space>>(system, settings);
 }
 template SolverReport nsgs(ContactSystem<Plane>&, const SolverSettings&);
+template SolverReport nsgs(ContactSystem<RollingPlane>&, const SolverSettings&);
 template SolverReport nsgs(ContactSystem<Space3>&, const SolverSettings&); // nobody tests whether these resolve the velocities
 
 SolverReport nsgs(DelassusSystem& system, const SolverSettings& settings) { return iterate<DelassusSweep>(system, settings); }

@@ -186,7 +186,7 @@ namespace {
 		if (!start.solvable) {
 			makeRows(system);
 			resolve<System>(system, start, part, report, method);
-		} else if constexpr (std::is_same_v<System, ContactSystem<Plane>> || std::is_same_v<System, ContactSystem<Space3>>)
+		} else if constexpr (!std::is_same_v<System, DelassusSystem> && !std::is_same_v<System, ConeSystem>)
 			if (createEnergy(system, start, report))
 				solveFromNothing(system, start, part, report);
 		return report;
@@ -195,18 +195,20 @@ namespace {
 	struct Entry {
 		const char* name = nullptr;
 		Solver<Plane> solver = nullptr;
+		Solver<RollingPlane> rollingSolver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
 		ConeSolver coneSolver = nullptr;
 		Solver<Space3> spaceSolver = nullptr;
 	};
 	template <Method<ContactSystem<Space3>> method> constexpr Solver<Space3> inSpace = solved<ContactSystem<Space3>, method>;
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs>, inSpace<nsgs> },
-		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated>,
-		    inSpace<accelerated> },
-		{ "newton", solved<ContactSystem<Plane>, newton>, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
-		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic>,
-		    inSpace<accelerated> },
+		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<ContactSystem<RollingPlane>, nsgs>, solved<DelassusSystem, nsgs>,
+		    solved<ConeSystem, nsgs>, inSpace<nsgs> },
+		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<ContactSystem<RollingPlane>, accelerated>,
+		    solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated>, inSpace<accelerated> },
+		{ "newton", solved<ContactSystem<Plane>, newton>, nullptr, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<ContactSystem<RollingPlane>, accelerated>,
+		    solved<DelassusSystem, automatic>, solved<ConeSystem, automatic>, inSpace<accelerated> },
 	};
 
 	const Entry& find(const std::string& method)
@@ -219,6 +221,7 @@ namespace {
 } // namespace
 
 template <> Solver<Plane> findSolver<Plane>(const std::string& method) { return find(method).solver; }
+template <> Solver<RollingPlane> findSolver<RollingPlane>(const std::string& method) { return find(method).rollingSolver; }
 template <> Solver<Space3> findSolver<Space3>(const std::string& method) { return find(method).spaceSolver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
 ConeSolver findConeSolver(const std::string& method) { return find(method).coneSolver; }

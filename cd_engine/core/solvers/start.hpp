@@ -8,10 +8,12 @@
 #include "solvability/solvability.hpp"
 
 #include <atomic>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <optional>
+#include <type_traits>
 
 namespace cd {
 

@@ -38,6 +38,22 @@ namespace {
 		return cd::energiesOf(springs, p, h);
 	}
 
+	// Of its spring against rolling.
+	Energies rollingEnergiesOf(const ContactRow<RollingPlane>& c)
+	{
+		if (!(c.cr > 0))
+			return {};
+		const double held = c.rollBias / c.cr, before = 0.5 * c.cr * held * held;
+		return c.pn > 0 ? Energies { 0.5 * c.cr * c.pr * c.pr, before, c.pr * (c.rollBias + c.cr * c.pr), 0 } : Energies { 0, before, 0, 0 };
+	}
+	void addSpring(const ContactRow<RollingPlane>& c, PairEffects& to, std::size_t lane)
+	{
+		const Energies of = rollingEnergiesOf(c);
+		to.stored[lane] += of.stored;
+		to.before[lane] += of.before;
+		to.absorbed[lane] += of.absorbed;
+	}
+
 	// Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
 	void release(const Pair& pair, Carried& was, Sleepers<Plane>& sleepers)
 	{
@@ -48,9 +64,11 @@ namespace {
 	}
 
 	// Whether a contact already has the right force. It is not written again, because it would differ in the last digit when read.
-	inline bool keeps(double nx, double ny, double pn, double pt, Carried& was, double dt)
+	inline bool keeps(double nx, double ny, double pn, double pt, const ContactRow<RollingPlane>* rolling, Carried& was, double dt)
 	{
 		if (was.nx != nx || was.ny != ny || !was.any() || was.impulse(dt) != std::array<double, 2> { pn, pt })
+			return false;
+		if (rolling ? dt * was.moment / rolling->length != rolling->pr : was.moment != 0)
 			return false;
 		if (std::signbit(was.nx) != std::signbit(nx) || std::signbit(was.ny) != std::signbit(ny)) { // springs may leave -0
 			was.nx = nx;
@@ -83,17 +101,23 @@ namespace {
 			to[k] += of[k];
 	}
 
-	// Calls give(body, impulse) for both bodies of a contact. n: its normal.
+	double momentOf(const ContactRow<RollingPlane>* rolling, std::size_t contact)
+	{
+		return rolling ? rolling[contact].pr * rolling[contact].length : 0;
+	}
+
+	// Calls give(body, impulse) for both bodies of a contact. n: its normal; moment: on the second body [N m s].
 	template <class Give>
-	inline void giveBoth(const Pair& pair, const std::vector<Place>& places, double overlap, Vector n, double pn, double pt, const Give& give)
+	inline void giveBoth(
+	    const Pair& pair, const std::vector<Place>& places, double overlap, Vector n, double pn, double pt, double moment, const Give& give)
 	{
 		const Place &a = places[pair.a], &b = places[pair.b];
 		const double x = n.x * pn - n.y * pt, y = n.y * pn + n.x * pt;
 		// A disk takes the impulse on its rim, so only the tangential part turns it. The arm of a boundary starts at its centre.
 		const double arm = b.radius - 0.5 * overlap;
 		const double turn = isBoundary(a) ? (b.x - arm * n.x - a.x) * y - (b.y - arm * n.y - a.y) * x : (a.radius - 0.5 * overlap) * pt;
-		give(pair.a, Account<Plane>::Impulse { -x, -y, -turn });
-		give(pair.b, Account<Plane>::Impulse { x, y, -arm * pt });
+		give(pair.a, Account<Plane>::Impulse { -x, -y, -turn - moment });
+		give(pair.b, Account<Plane>::Impulse { x, y, -arm * pt + moment });
 	}
 
 } // namespace
@@ -114,7 +138,7 @@ void Account<Plane>::clear(const Sleepers<Plane>& sleepers)
 }
 
 void Account<Plane>::book(World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder, const ProblemBuilder<Plane>& builder,
-    const ContactRows<Plane>& contacts, Sleepers<Plane>& sleepers, StepReport& report)
+    const ContactRows<Plane>& contacts, const ContactRow<RollingPlane>* rolling, Sleepers<Plane>& sleepers, StepReport& report)
 {
 	spared = contacts.postponed();
 	assert(contacts.size() == finder.pairs().size() && (!spared || (sleepers.none() && contacts.solvedBeside())));
@@ -155,6 +179,8 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				if (builder.isSpecial(i))
 					effectOf(rows ? rows[i] : builder.specialRow(i), means, p[k], stiffnesses ? stiffnesses[pairOf[i]].kn : 0, dt,
 					    e, l);
+				if (rolling && stiffnesses)
+					addSpring(rolling[i], e, l);
 				if (stiffnesses)
 					sum.springs.before += e.before[l];
 				if (pn <= 0) {
@@ -162,7 +188,8 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 					continue;
 				}
 				const double nx = e.nx[l], ny = e.ny[l];
-				if (!keeps(nx, ny, pn, pt, was, dt)) {
+				const ContactRow<RollingPlane>* const moved = rolling ? rolling + i : nullptr;
+				if (!keeps(nx, ny, pn, pt, moved, was, dt)) {
 					const double fn = pn * rate, ft = pt * rate;
 					was.nx = nx;
 					was.ny = ny;
@@ -170,6 +197,7 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 					was.fn[1] = fn * ny;
 					was.ft[0] = -ft * ny;
 					was.ft[1] = ft * nx;
+					was.moment = moved ? moved->pr * moved->length * rate : 0;
 					was.since = was.any() ? was.since : step.settings.iteration;
 					if (anyAsleep)
 						sleepers.disturb(pair.a, pair.b);
@@ -177,6 +205,9 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				const bool asleep = anyAsleep && sleepers.islandAt(pair.a, pair.b); // then it counts with its island
 				sum.loaded += !asleep;
 				sum.sliding += !asleep && slides(pair.mu, pn, pt);
+				if (moved)
+					e.work[l] += moved->pr
+					    * cd::rolling<double>(*moved, motionOf<Plane>(means[pair.a].v), motionOf<Plane>(means[pair.b].v));
 				sum.dissipated -= e.work[l];
 				if (!stiffnesses)
 					continue;
@@ -206,12 +237,12 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 	report.dashpots = all.springs.dashpots;
 	known = !sleepers.none();
 	if (known)
-		bookSleeping(world, step, finder, contacts, sleepers, report);
+		bookSleeping(world, step, finder, contacts, rolling, sleepers, report);
 }
 
 // Sums the impulses, and adds what sleeping islands contribute: those that this step has examined and the others.
 void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder,
-    const ContactRows<Plane>& contacts, Sleepers<Plane>& sleepers, StepReport& report)
+    const ContactRows<Plane>& contacts, const ContactRow<RollingPlane>* rolling, Sleepers<Plane>& sleepers, StepReport& report)
 {
 	sums.resize(world.bodies.size());
 	sleepers.powerless.clear();
@@ -232,10 +263,11 @@ void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& ste
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
 			if (world.compliant())
-				asleep->stored += energiesOf(c, impulseOf(c), world.stiffnesses[pair].kn, step.dt()).stored;
+				asleep->stored += energiesOf(c, impulseOf(c), world.stiffnesses[pair].kn, step.dt()).stored
+				    + (rolling ? rollingEnergiesOf(rolling[i]).stored : 0);
 		}
 		if (asleep || c.pn > 0)
-			giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt,
+			giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt, momentOf(rolling, i),
 			    [&](int32_t body, const Impulse& impulse) {
 				    if (!asleep || sleepers.sleeps(body))
 					    add(sums[body], impulse);
@@ -254,8 +286,8 @@ void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& ste
 		add(sums[of.body], of.impulse);
 }
 
-const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(
-    const World& world, const ContactFinder<Plane>& finder, const BodyMotion<Plane>& motion, const ContactRows<Plane>& contacts)
+const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(const World& world, const ContactFinder<Plane>& finder,
+    const BodyMotion<Plane>& motion, const ContactRows<Plane>& contacts, const ContactRow<RollingPlane>* rolling)
 {
 	sums.resize(world.bodies.size());
 	if (std::exchange(known, true))
@@ -269,7 +301,7 @@ const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(
 		const int32_t pair = finder.pairs()[i];
 		const Carried& carried = world.carried[pair]; // it has the normal of the step
 		if (pn > 0)
-			giveBoth(world.pairs[pair], motion.places(), finder.overlap(pair), { carried.nx, carried.ny }, pn, pt,
+			giveBoth(world.pairs[pair], motion.places(), finder.overlap(pair), { carried.nx, carried.ny }, pn, pt, momentOf(rolling, i),
 			    [&](int32_t body, const Impulse& impulse) { add(sums[body], impulse); });
 	}
 	return sums;

@@ -68,7 +68,7 @@ namespace {
 		if (beyond <= pushed * radius)
 			return true;
 		const double before = step.relativeSpeed(pair, step.world.bodies[pair.a].v, step.world.bodies[pair.b].v);
-		const double free = step.relativeSpeed(pair, step.bodies[pair.a].v, step.bodies[pair.b].v);
+		const double free = step.relativeSpeed(pair, step.velocity(pair.a), step.velocity(pair.b));
 		return beyond <= soon * step.dt() * std::max(before, free) + pushed * radius;
 	}
 
@@ -80,7 +80,7 @@ namespace {
 		const Touch touch = step.locate(pair);
 		const Body &a = step.world.bodies[pair.a], &b = step.world.bodies[pair.b];
 		const double before = approach(step, pair, touch, a.v, b.v);
-		const double free = approach(step, pair, touch, step.bodies[pair.a].v, step.bodies[pair.b].v);
+		const double free = approach(step, pair, touch, step.velocity(pair.a), step.velocity(pair.b));
 		return gap + step.turning(pair, touch, gap, a.v[2]) + step.dt() * std::min(before, free) <= 0;
 	}
 
@@ -225,7 +225,7 @@ bool ContactFinder<Plane>::fastEnough(const StepView<Plane>& step, std::size_t i
 	const double way = gap(step.world, index);
 	if (way > quick * step.dt() * (means[pair.a].speed + means[pair.b].speed)) // true for most pairs
 		return false;
-	return way <= quick * step.dt() * step.relativeSpeed(pair, step.bodies[pair.a].v, step.bodies[pair.b].v)
+	return way <= quick * step.dt() * step.relativeSpeed(pair, step.velocity(pair.a), step.velocity(pair.b))
 	    && !corners.isHidden(step.world, step.motion.places(), pair, step.dt());
 }
 
@@ -236,7 +236,7 @@ bool ContactFinder<Plane>::crosses(const StepView<Plane>& step, std::size_t inde
 	if (!fastEnough(step, index))
 		return false;
 	const Touch touch = step.locate(pair);
-	const double *va = step.bodies[pair.a].v, *vb = step.bodies[pair.b].v, way = gap(step.world, index);
+	const double *va = step.velocity(pair.a), *vb = step.velocity(pair.b), way = gap(step.world, index);
 	return way + step.turning(pair, touch, way, va[2]) + step.dt() * approach(step, pair, touch, va, vb) < 0;
 }
 

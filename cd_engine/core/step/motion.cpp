@@ -42,15 +42,19 @@ BodyMotion<Plane>::Start BodyMotion<Plane>::begin(const World& world, double dt,
 	way.resize(count);
 	shifts.clear();
 	const double ahead = world.ahead(dt);
+	const bool belts = !world.surfaces.empty();
 	const auto begin = [&](std::size_t from, std::size_t to) {
 		Start start { false, known, false };
 		for (std::size_t i = from; i < to; i++) {
 			const Body& b = world.bodies[i];
 			start.sameMasses = start.sameMasses && std::equal(b.inverseMass, b.inverseMass + 3, system.bodies[i].w);
 			setFree(b, dt, system.bodies[i]);
+			const bool belt = belts && world.isBelt(i);
+			if (belt)
+				system.bodies[i].v[2] = 1;
 			placeOf[i] = placeAhead(b, ahead);
 			system.places[i] = { placeOf[i].x, placeOf[i].y };
-			way[i] = wayOf(b, world.shapes[i], system.bodies[i].v, dt);
+			way[i] = belt ? 0 : wayOf(b, world.shapes[i], system.bodies[i].v, dt);
 			start.turns = start.turns || (isBoundary(b) && b.v[2] != 0);
 			start.guides = start.guides || (!isBoundary(b) && isGuided(b));
 		}
@@ -63,9 +67,13 @@ BodyMotion<Plane>::Start BodyMotion<Plane>::begin(const World& world, double dt,
 
 void BodyMotion<Plane>::resetFree(const World& world, double dt, ContactSystem<Plane>& system, Threads& threads)
 {
+	const bool belts = !world.surfaces.empty();
 	forRanges(&threads, world.bodies.size(), [&](std::size_t from, std::size_t to) {
-		for (std::size_t i = from; i < to; i++)
+		for (std::size_t i = from; i < to; i++) {
 			setFree(world.bodies[i], dt, system.bodies[i]);
+			if (belts && world.isBelt(i))
+				system.bodies[i].v[2] = 1;
+		}
 	});
 }
 
@@ -86,7 +94,7 @@ bool BodyMotion<Plane>::average(const World& world, double dt, const std::vector
 {
 	assert(bodies.size() == world.bodies.size() && way.size() == bodies.size());
 	meanOf.resize(bodies.size());
-	const bool implicit = world.compliant();
+	const bool implicit = world.compliant(), belts = !world.surfaces.empty();
 	double most = endless;
 	if (!solved && !way.empty())
 		most = (4 * *std::max_element(way.begin(), way.end()) + 2 * smallestRadius(world)) / dt;
@@ -102,6 +110,8 @@ bool BodyMotion<Plane>::average(const World& world, double dt, const std::vector
 			for (int k = 0; k < 3; k++)
 				meanOf[i].v[k] = implicit ? v[k] : 0.5 * (b.v[k] + v[k]);
 			meanOf[i].speed = std::min(outlineSpeed(v, b, world.shapes[i]), most);
+			if (belts && world.isBelt(i))
+				meanOf[i] = { { v[0], v[1], v[2] }, 0 };
 			found.fastest = std::max(found.fastest, meanOf[i].speed);
 			found.outran = found.outran || (i < world.listed.size() && reach(world, i, dt) > world.listed[i]);
 		}
@@ -123,12 +133,16 @@ void BodyMotion<Plane>::shift(int32_t disk, double x, double y)
 
 bool BodyMotion<Plane>::finish(World& world, double h, const std::vector<BodyVelocity<Plane>>& bodies, Threads& threads) const
 {
-	const bool implicit = world.compliant();
+	const bool implicit = world.compliant(), belts = !world.surfaces.empty();
 	const auto move = [&](std::size_t from, std::size_t to) {
 		bool moves = false;
 		for (std::size_t i = from; i < to; i++) {
 			Body& b = world.bodies[i];
 			const double* v = bodies[i].v;
+			if (belts && world.isBelt(i)) {
+				b.turn = 0;
+				continue;
+			}
 			if (implicit) {
 				b.x += h * v[0];
 				b.y += h * v[1];

@@ -23,6 +23,7 @@ template <> class BodyMotion<Plane> {
 	// mid-configuration (with stiffnesses: before the step) and their ways.
 	Start begin(const World&, double dt, ContactSystem<Plane>&, Threads&);
 	// Sets the free velocities again, after a solution has replaced them.
+	// A belt turns at 1 rad/s there: the lever arms of its contacts are the speeds of its surface (ProblemBuilder).
 	static void resetFree(const World&, double dt, ContactSystem<Plane>&, Threads&);
 
 	// Finds the means of the velocities before the step and those that a solution has left. Those of an unsolved step may have any size: their

@@ -4,6 +4,18 @@
 #include <cassert>
 
 namespace cd {
+namespace {
+
+	// Of a belt along t where it is touched [m/s]: across it the surface stays. Divided by 1 rad/s it is the lever arm of the contact
+	// (motion.hpp).
+	double surfaceSpeed(const StepView<Plane>& step, int32_t body, const Touch& touch)
+	{
+		const auto& [vx, vy, spin] = step.world.surfaces[body];
+		const Place& place = step.place(body);
+		return touch.nx * (vy + spin * (touch.cx - place.x)) - touch.ny * (vx - spin * (touch.cy - place.y));
+	}
+
+} // namespace
 
 // The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the
 // tolerance becomes the step's solution.
@@ -37,6 +49,14 @@ ContactRow<Plane> ProblemBuilder<Plane>::makeRow(
 		c.an = ax * touch.ny - ay * touch.nx;
 		c.at = ax * touch.nx + ay * touch.ny;
 	}
+	if (step.world.isBelt(c.a)) {
+		c.an = 0;
+		c.at = surfaceSpeed(step, c.a, touch);
+	}
+	if (step.world.isBelt(c.b)) {
+		c.bn = 0;
+		c.bt = surfaceSpeed(step, c.b, touch);
+	}
 	c.assembleBlock(step.bodies[c.a], step.bodies[c.b]);
 	if (step.world.compliant())
 		soften(step, finder, index, turned, c);
@@ -66,8 +86,8 @@ void ProblemBuilder<Plane>::soften(
 // From the impulse that a contact with stiffness has carried to the first guess.
 void ProblemBuilder<Plane>::moveOn(const StepView<Plane>& step, double kn, ContactRow<Plane>& c)
 {
-	const double *const a = step.world.bodies[c.a].v, *const b = step.world.bodies[c.b].v;
-	const Components<double> u = relativeVelocity<false>(c, motionOf<Plane>(a), motionOf<Plane>(b));
+	const auto before = [&](int32_t i) { return motionOf<Plane>(step.velocityBefore(i)); };
+	const Components<double> u = relativeVelocity<false>(c, before(c.a), before(c.b));
 	const Components<double> guess = movedOn(impulseOf(c), u, kn, c.ct, step.dt());
 	c.pn = guess.n;
 	c.pt = c.mu > 0 ? cutGuess(guess, c.mu, insideCone) : 0;

@@ -21,6 +21,7 @@ template <class Space> struct StepSettings {
 	long iteration = 0; // number of the step, recorded where a contact becomes loaded
 	bool reduce = true; // solve islands of contacts separately (island_solver.hpp)
 	Solver<Space> solve = nullptr;
+	Solver<RollingPlane> solveRolling = nullptr; // the same method, where contacts resist rolling
 	SolverSettings solver;
 	// Tolerance of rest, if it is smaller than that of the step. The same in all steps, so that it does not matter in which of them an island is
 	// examined. With stiffnesses, larger than the step's: errors of earlier steps leave the springs that much out of balance.

@@ -18,6 +18,14 @@ template <> struct StepView<Plane> {
 	const BodyMotion<Plane>& motion;
 	Threads& threads;
 
+	// The velocity at which a body moves in the step, from `bodies`.
+	const double* velocity(int32_t body) const
+	{
+		static constexpr double still[Plane::freedoms] = {};
+		return world.isBelt(body) ? still : bodies[body].v;
+	}
+	// In the equations of the step, where a belt turns (BodyMotion): before the step.
+	const double* velocityBefore(int32_t body) const { return world.isBelt(body) ? bodies[body].v : world.bodies[body].v; }
 	const Place& place(int32_t body) const { return motion.places()[body]; }
 	double dt() const { return settings.dt; }
 
@@ -38,7 +46,7 @@ template <> struct StepView<Plane> {
 	{
 		if (spin == 0 || !isBox(pair.a))
 			return 0;
-		const double *va = bodies[pair.a].v, *vb = bodies[pair.b].v;
+		const double *va = velocity(pair.a), *vb = velocity(pair.b);
 		const Place &a = place(pair.a), &b = place(pair.b);
 		const double distance = touch.nx * (b.x - a.x) + touch.ny * (b.y - a.y);
 		const Vector velocity { vb[0] - va[0], vb[1] - va[1] };

@@ -22,7 +22,8 @@ template <class Space> void TimeStep<Space>::prepare(World& world, const StepVie
 	// Rows that push need a proof that there is a solution (feasibility.hpp), which reads all of them.
 	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0;
 	system.contacts.compliant = world.compliant();
-	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none());
+	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none() && !world.rolls());
+	rolling.guess(step, finder, s.warmStart);
 }
 
 template <class Space> auto TimeStep<Space>::assemble(World& world, const StepSettings& settings) -> const ContactSystem&
@@ -46,8 +47,9 @@ template <class Space> Status TimeStep<Space>::solve(const StepView& step, const
 	// A smaller tolerance than requested gets only as many sweeps as it may need, so that some are left to lower rebounds further.
 	if (finer)
 		left.maxIterations = std::min(left.maxIterations, 200 + 10 * goal.first);
-	report.solver = step.settings.reduce ? solveIslands(system, step.settings.solve, left, report.effort, &stillness)
-					     : solveWhole(system, step.settings.solve, left, report.effort);
+	report.solver = rolling.acts() ? rolling.solve(step, finder, system, left, stillness, report.effort)
+	    : step.settings.reduce     ? solveIslands(system, step.settings.solve, left, report.effort, &stillness)
+				       : solveWhole(system, step.settings.solve, left, report.effort);
 	if (previous == 0)
 		goal.first = report.solver.iterations;
 	report.solver.iterations += previous;
@@ -107,8 +109,11 @@ template <class Space> bool TimeStep<Space>::attempt(World& world, const StepVie
 			if (fixed) // so many sweeps from the first guess, and no more
 				report.solver.iterations = 0;
 		}
-		if (rebounds || fixed) // impulses with rebounds may be so large that any error is small beside them
-			builder.guessAgain(step, finder, system, !rebounds || report.solver.contact < 0);
+		if (rebounds || fixed) { // impulses with rebounds may be so large that any error is small beside them
+			const bool warm = !rebounds || report.solver.contact < 0;
+			builder.guessAgain(step, finder, system, warm);
+			rolling.guess(step, finder, warm && step.settings.warmStart);
+		}
 		BodyMotion<Space>::resetFree(world, step.dt(), system, threads);
 	}
 }
@@ -130,14 +135,16 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 		report.maxPenetration = finder.deepest();
 		report.dissipated += report.effort.stopped;
 		account.clear(sleepers);
-		if (settings.reduce)
+		if (settings.reduce && rolling.acts())
+			rolling.putToSleep(sleepers, world);
+		else if (settings.reduce)
 			solveIslands.putToSleep(sleepers, world);
 		const bool corrects = OverlapCorrection<Space>::isDue(world, settings, finder);
 		if (corrects || !sleepers.none() || !system.contacts.solvedBeside())
 			system.contacts.make();
 		if (world.compliant())
 			report.damped = BodyMotion<Space>::damped(world, system.bodies, threads);
-		account.book(world, step, finder, builder, system.contacts, sleepers, report);
+		account.book(world, step, finder, builder, system.contacts, rolling.rows(), sleepers, report);
 		rest.plan(report.effort);
 		report.idle = !motion.finish(world, settings.dt, system.bodies, threads) && finder.pairs().empty();
 		if (corrects && correction(world, step, finder, system.contacts.all()))

@@ -90,6 +90,7 @@ template <class Space> void PackedBodies<Space>::store(int32_t block, std::vecto
 }
 
 template class PackedBodies<Plane>;
+template class PackedBodies<RollingPlane>;
 template class PackedBodies<Space3>;
 
 } // namespace cd

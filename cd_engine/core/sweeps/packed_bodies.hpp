@@ -16,11 +16,11 @@ struct Ends {
 };
 
 template <class Space> class PackedBodies {
-	using BodyVelocity = cd::BodyVelocity<Space>;
-	using PackedBody = cd::PackedBody<Space>;
+	using BodyVelocity = BodyVelocityIn<Space>;
+	using PackedBody = PackedBodyIn<Space>;
 
     public:
-	using Kind = PackedKind<Space>;
+	using Kind = PackedKind<typename Space::Scene>;
 	// Whether kinds and masses have stayed the same since the last problem; whether external forces turn any body.
 	struct Found {
 		bool sameKinds, sameMasses, twisted;

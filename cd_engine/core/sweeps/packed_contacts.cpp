@@ -8,7 +8,7 @@ namespace {
 
 	template <class Space> bool isGroupable(const ContactRow<Space>& c, const PackedBodies<Space>& bodies)
 	{
-		const PackedKind<Space>&A = bodies.kinds[c.a], &B = bodies.kinds[c.b];
+		const typename PackedBodies<Space>::Kind &A = bodies.kinds[c.a], &B = bodies.kinds[c.b];
 		return A.uniform && B.uniform && c.groupable(A.turns, B.turns);
 	}
 
@@ -135,6 +135,7 @@ template <class Space> void PackedContacts<Space>::copyFrom(const SweptImpulses&
 }
 
 template class PackedContacts<Plane>;
+template class PackedContacts<RollingPlane>;
 template class PackedContacts<Space3>;
 
 } // namespace cd

@@ -55,6 +55,7 @@ template <class Space> void PackedProblem<Space>::store(ContactSystem& system, T
 }
 
 template struct PackedProblem<Plane>;
+template struct PackedProblem<RollingPlane>;
 template struct PackedProblem<Space3>;
 
 } // namespace cd

@@ -6,10 +6,10 @@
 namespace cd {
 namespace {
 
-	template <class Space> void solve(LooseContact<Space>& l, PackedBody<Space>* bodies)
+	template <class Space> void solve(LooseContact<Space>& l, PackedBodyIn<Space>* bodies)
 	{
 		ContactRow<Space>& c = l.row;
-		PackedBody<Space>&A = bodies[c.a], &B = bodies[c.b];
+		PackedBodyIn<Space>&A = bodies[c.a], &B = bodies[c.b];
 		const ImpulseOf<Space> u = relativeVelocity<true>(c, motionOf(A), motionOf(B));
 		const ImpulseOf<Space> before = impulseOf(c), p = solveContact(c, inLaw(c, u, before), before);
 		push(actionOf(c, p - before), velocityOf(A), l.wa, velocityOf(B), l.wb);
@@ -17,7 +17,7 @@ namespace {
 	}
 
 	template <class Space>
-	void solveAhead(LooseContact<Space>& l, ImpulseOf<Space>& before, PackedBody<Space>* bodies, double beta, AheadReport& report)
+	void solveAhead(LooseContact<Space>& l, ImpulseOf<Space>& before, PackedBodyIn<Space>* bodies, double beta, AheadReport& report)
 	{
 		const ImpulseOf<Space> p = impulseOf(l.row), y = extrapolated(p, before, beta);
 		before = p;
@@ -150,6 +150,7 @@ template <class Space> AheadReport Sweep<Space>::ahead(double beta)
 }
 
 template class Sweep<Plane>;
+template class Sweep<RollingPlane>;
 template class Sweep<Space3>;
 
 } // namespace cd

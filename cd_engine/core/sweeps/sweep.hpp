@@ -8,7 +8,7 @@ namespace cd {
 // What a method needs, for a problem given by its bodies. DelassusSweep has the same functions for a problem given by its matrix.
 template <class Space> class Sweep {
 	using ContactSystem = cd::ContactSystem<Space>;
-	using PackedBody = cd::PackedBody<Space>;
+	using PackedBody = PackedBodyIn<Space>;
 	using PackedProblem = cd::PackedProblem<Space>;
 
     public:

@@ -263,6 +263,7 @@ template <class Space> void SweepError<Space>::addBodies(const PackedBodies& bod
 }
 
 template class SweepError<Plane>;
+template class SweepError<RollingPlane>;
 template class SweepError<Space3>;
 
 } // namespace cd

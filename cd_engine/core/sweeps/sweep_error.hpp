@@ -9,7 +9,7 @@ namespace cd {
 
 template <class Space> class SweepError {
 	using ContactSystem = cd::ContactSystem<Space>;
-	using PackedBody = cd::PackedBody<Space>;
+	using PackedBody = PackedBodyIn<Space>;
 	using PackedBodies = cd::PackedBodies<Space>;
 	using PackedContacts = cd::PackedContacts<Space>;
 	using PackedProblem = cd::PackedProblem<Space>;
