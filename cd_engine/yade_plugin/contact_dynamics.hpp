@@ -53,6 +53,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void giveUp();
 	void advance();
 	void repeatIdleStep(const Vector3r& weighs);
+	void leaveSprings();
 	void takeOverlaps();
 	cd::StepReport solve(const Vector3r& weighs, const cd::StepSettings<cd::Plane>&);
 	StiffnessSettings readStiffness() const;

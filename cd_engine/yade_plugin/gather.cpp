@@ -15,6 +15,17 @@ void SceneLink::warnOnce(const std::string& what, const std::string& remedy)
 		std::cerr << "ContactDynamics: " << what << " " << remedy << '\n';
 }
 
+double SceneLink::massRatio() const
+{
+	double least = cd::endless, most = 0; // inverse masses
+	for (const cd::Body& b : world.bodies)
+		if (const double inverse = std::max(b.inverseMass[0], b.inverseMass[1]); inverse > 0) {
+			least = std::min(least, inverse);
+			most = std::max(most, inverse);
+		}
+	return most > 0 ? most / least : 1;
+}
+
 void SceneLink::checkScene(yade::Scene* scene, double dt)
 {
 	if (scene_isPeriodic(scene))
@@ -298,11 +309,17 @@ cd::Stiffness SceneLink::stiffnessOf(const cd::Pair& pair) const
 // Wakes all islands if a stiffness has changed.
 void SceneLink::setStiffness(cd::Sleepers<cd::Plane>& sleepers)
 {
+	constexpr double least = 1e-100; // 1/(k h^2) has to be a number
 	const std::size_t count = stiffness.rigid() ? 0 : world.pairs.size();
 	bool changed = world.stiffnesses.size() != count;
+	world.springs = !stiffness.rigid();
 	world.stiffnesses.resize(count);
 	for (std::size_t i = 0; i < count; i++) {
 		const cd::Stiffness now = stiffnessOf(world.pairs[i]);
+		if (!(now.kn > least && std::isfinite(now.kn) && (now.kt == 0 || now.kt > least)))
+			throw SceneError(text("ContactDynamics: the contact of bodies #", world.pairs[i].a, " and #", world.pairs[i].b, " has k_n = ", now.kn,
+			    " and k_t = ", now.kt, " N/m. Give ", stiffness.ofMaterials ? "materials a young" : "a stiffness", " from which finite ones above ",
+			    least, " N/m follow"));
 		changed = changed || now.kn != world.stiffnesses[i].kn || now.kt != world.stiffnesses[i].kt;
 		world.stiffnesses[i] = now;
 	}

@@ -51,10 +51,10 @@ py::tuple ContactDynamics::nextProblem()
 	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
 	copy.setValues(readPairValues());
 	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
-	if (handover && copy.world.compliant())
+	if (copy.world.compliant())
 		copy.forgetOverlaps();
 	else if (handover)
-		copy.takeOverlaps();
+		copy.takeOverlaps(storedEnergy > 0);
 	cd::TimeStep<cd::Plane> next;
 	return bodyArrays(next.assemble(copy.world, settings));
 }

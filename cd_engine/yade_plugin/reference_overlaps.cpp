@@ -26,7 +26,7 @@ std::string SceneLink::behindWall(const cd::Pair& pair) const
 	    "Move the body to the other side, or set O.bodies[", pair.a, "].shape.sense=0 for a wall of two sides");
 }
 
-double SceneLink::takeOverlaps()
+double SceneLink::takeOverlaps(bool ofOwnSprings)
 {
 	double largest = 0;
 	std::vector<double> overlaps; // a refusal leaves the pairs as they are
@@ -50,7 +50,7 @@ double SceneLink::takeOverlaps()
 	const auto what = [](const Worst& of) {
 		return text("bodies #", of.pair->a, " and #", of.pair->b, " overlap by ", of.share, " of a radius at the start");
 	};
-	if (!(worst.share <= mostOverlap)) {
+	if (!ofOwnSprings && !(worst.share <= mostOverlap)) {
 		const std::string reason = behindWall(*worst.pair);
 		const bool plate = worst.share > 1 && isBoundary(world.bodyOf(worst.pair->a));
 		const std::string remedy = plate ? text(", or erase body #", worst.pair->a, " if it is a plate in front of or behind the disks") : "";

@@ -19,7 +19,8 @@ template <class Space> struct WorldOf {
 	std::vector<int32_t> masks;
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
-	std::vector<Stiffness> stiffnesses; // of the pairs; empty: all contacts are rigid
+	bool springs = false; // whether contacts have a stiffness; decides how bodies move, also while no two are near each other
+	std::vector<Stiffness> stiffnesses; // of the pairs, if so; else empty
 	// Of each pair: its first contact, then the number of all. Empty where each pair has one, of its own number, as in the plane.
 	std::vector<int32_t> firstContact;
 	std::vector<typename Space::Carried> carried; // by contact
@@ -29,7 +30,7 @@ template <class Space> struct WorldOf {
 	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::update fills it before every step
 
-	bool compliant() const { return !stiffnesses.empty(); }
+	bool compliant() const { return springs; }
 	// How far ahead of a step's beginning its contacts are located [s]: at the middle, or with stiffnesses, at the beginning.
 	double ahead(double dt) const { return compliant() ? 0 : 0.5 * dt; }
 
