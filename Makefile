@@ -68,7 +68,7 @@ console: build ## YADE's console with the engine and the prepared packing
 regression: build ## run 24 cases of 18 scenes without a window and compare their results with stored numbers
 	$(PYTHON) yade_scripts/measuring/regression.py --full
 
-bench: build ## measure the contact solvers beside Siconos's, a minute; FULL=1; AGAIN=1 repeats all, FILES="..." adds problems
+bench: build ## measure the contact solvers beside Siconos's, some two minutes; FULL=1; AGAIN=1 repeats all, FILES="..." adds problems
 	@.ci/install-packages test
 	$(PYTHON) -m yade_scripts.measuring.benchmark $(extent) $(if $(call on,$(AGAIN)),--again) $(FILES)
 	$(PYTHON) -m analysis benchmark results/benchmark$(if $(call on,$(FULL)),,/quick)

@@ -48,6 +48,7 @@ def _parser():
     table = command("table", _table, "the rows of a study as a table for yade-batch")
     table.add_argument("name", metavar="NAME")
     charts = command("charts", _charts, "charts of speed against accuracy and maps of stability, from what `make charts` has measured")
+    charts.add_argument("--beside", metavar="FOLDER", help="add what was measured to these published charts")
     report = command("report", _report, "one HTML page of all studies and charts")
     report.add_argument("--published", metavar="FOLDER", help="take figures and tables from here and draw nothing")
     commands.add_extent(study)
@@ -110,7 +111,7 @@ def _charts(options):
     folder = Path(options.output or _folder(options) / charts.FOLDER)
     results.make(folder, "figures")
     broken = []
-    left = publishing.publish_all(options.results, folder, options.full, broken)
+    left = publishing.publish_all(options.results, folder, options.full, broken, options.beside)
     for message in (*left.values(), *broken):
         print(f"analysis charts: {message}", file=sys.stderr)
     for name in [name for name in charts.ORDER if name not in left]:  # others may lie there from before

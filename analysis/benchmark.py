@@ -22,7 +22,7 @@ LEGEND = 6  # entries in a line
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
 OF_SOLUTIONS = dict(texts=("status", "problem", "kind", "start", "method"),
                     numbers=("disks", "contacts", "mu", "target", "sweeps", "seconds", "residual"))
-COLUMNS = {"solutions": OF_SOLUTIONS, "space": OF_SOLUTIONS,
+COLUMNS = {"solutions": OF_SOLUTIONS, "space": OF_SOLUTIONS, "spheres": OF_SOLUTIONS,
            "sweeps": dict(numbers=("disks", "contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain",
                                    "bytes_accelerated", "bandwidth_gb_per_s")),
            "step": dict(texts=("order",), numbers=("disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs"))}
@@ -38,6 +38,7 @@ def draw(folder):
     for figure, name, note in (
             (error_against_time, "solutions", f"{time}; the error is computed anew from the impulses."),
             (error_in_space, "space", f"{time}; contact problems in space; the error is computed anew from the impulses."),
+            (error_of_spheres, "spheres", f"{time}; packings of spheres from zero impulses; the error is computed anew from the impulses."),
             (sweep_cost, "sweeps", f"{time}."), (sweeps_against_size, "solutions", "Medians over the seeds; bars: their range."),
             (step_cost, "step", f"{time}.")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
@@ -92,6 +93,12 @@ def error_against_time(rows, origin, problems=None):
 def error_in_space(rows, origin):
     """The same for problems in space, with several of Siconos's solvers."""
     return error_against_time(rows, origin, list(rows.problem.unique())[-PANELS:])
+
+
+def error_of_spheres(rows, origin):
+    """The same for packings of spheres, each with several frictions."""
+    rows = rows[rows.start == "cold"]
+    return error_against_time(rows, origin, list(rows.problem.unique())[:PANELS])
 
 
 def sweep_cost(rows, origin):

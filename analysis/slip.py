@@ -41,7 +41,8 @@ def work(run, first, second):
 
 def stiffness_of(run):
     """Return the tangential stiffness of the contacts of a run [N/m]; infinite for rigid ones."""
-    return np.inf if run.method == "CD" else run.parameters["kt_over_kn"] * parameters.stiffness(run.parameters)
+    rigid = run.method == "CD" and run.parameters["cd_contacts"] == "rigid"
+    return np.inf if rigid else run.parameters["kt_over_kn"] * parameters.stiffness(run.parameters)
 
 
 def of(run):

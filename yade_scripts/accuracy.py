@@ -97,9 +97,9 @@ def _untold(level):
 def check(row, accuracy):
     """Raise ParameterError if this accuracy cannot be asked for in this row."""
     full = parameters.complete(row)
-    if full["method"] != "CD" or full["fixed_iterations"]:
-        raise ParameterError("accuracy: only for method = CD with a tolerance; springs have an error due to their stiffness, which a "
-                             "smaller step does not show")
+    if parameters.has_springs(full) or full["fixed_iterations"]:
+        raise ParameterError("accuracy: only for method = CD with rigid contacts and a tolerance; springs have an error due to their stiffness, "
+                             "which a smaller step does not show")
     if "tolerance" in row:
         raise ParameterError(f"tolerance = {row['tolerance']}: the search for an accuracy chooses it, so leave it out")
     if not (isinstance(accuracy, float) and LOW <= accuracy < 1):

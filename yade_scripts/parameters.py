@@ -254,6 +254,11 @@ def result_name(full):
     return f"{full['scene']}-{full['method']}-{digest(asked | {'meaning': MEANING})}"
 
 
+def has_springs(full):
+    """Return whether the contacts of a run have springs: MD's, or those in Contact Dynamics."""
+    return full["method"] == "MD" or full["cd_contacts"] == "springs"
+
+
 def stiffness(full):
     """Return k_n [N/m] of the run, stiffening included."""
     return full["kn"] * full["stiffening"]
@@ -297,7 +302,7 @@ def steps(full, largest):
 def restitution(full):
     """Return the normal restitution of a contact: Newton's in CD; in MD that of eq. 5 over half a period, exp(-pi beta/sqrt(1 - beta^2)), or 0 from
     beta = 1 on, where the disks do not separate any more."""
-    if full["method"] == "CD" and full["cd_contacts"] == "rigid":
+    if not has_springs(full):
         return full["restitution"]
     beta = damping(full)
     return math.exp(-math.pi * beta / math.sqrt(1 - beta**2)) if beta < 1 else 0.0

@@ -5,6 +5,7 @@ import pandas
 
 from analysis import style
 from analysis.charts import choice, table
+from analysis.charts.table import SPRINGS
 from analysis.style import plt
 
 TITLE = "What to use when: time against accuracy, by kind of scene"
@@ -16,7 +17,8 @@ LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
 def quantities(table):
     reached = table[(table.accuracy == 1e-2) & table.seconds.notna() & table.kind.isin(["piles at rest", "impacts", "sliding and rolling"])]
     md, cd = (reached[reached.method == method].set_index("kind").seconds for method in ("MD", "CD"))
-    return {"faster": md / cd}
+    soft = table[(table.method == SPRINGS) & (table.accuracy == 1e-2)].set_index("kind")
+    return {"faster": md / cd, "soft": soft}
 
 
 def rows(measured):
@@ -38,12 +40,12 @@ def draw(rows, folder, line):
     lines = min(2, len(kinds))
     fig, panels = plt.subplots(lines, math.ceil(len(kinds) / lines), figsize=(8.4, 2.8 * lines), sharex=True, sharey=True, squeeze=False)
     for axes, (kind, of_kind) in zip(panels.flat, kinds):
-        for method, colour in style.COLOUR.items():
+        for method, colour in table.COLOUR.items():
             own = of_kind[(of_kind.method == method) & of_kind.seconds.notna()]
             whole = own[own.solved == own.scenes]
-            axes.loglog(whole.accuracy, whole.seconds, color=colour, marker=style.MARKER[method], label=method)
+            axes.loglog(whole.accuracy, whole.seconds, color=colour, marker=table.MARKER[method], label=table.WORDS[method])
             for row in own[own.solved < own.scenes].itertuples():
-                axes.plot(row.accuracy, row.seconds, style.MARKER[method], color=colour, markerfacecolor="white")
+                axes.plot(row.accuracy, row.seconds, table.MARKER[method], color=colour, markerfacecolor="white")
                 axes.annotate(f"{row.solved} of {row.scenes}", (row.accuracy, row.seconds), (0, 6), textcoords="offset points",
                               fontsize=6.5, ha="center")
         count = of_kind.scenes.max()

@@ -32,7 +32,7 @@ MARKERS = {STABLE: ".", INACCURATE: "^", UNSTABLE: "X", NOT_SOLVED: "s"}
 COLOURS = {"": style.GREY["9A"], "energy growth": style.VERMILION, "penetration": style.PINK, "wrong motion": style.SKY, "false motion": style.ORANGE,
            "false rest": style.PURPLE, "wrong forces": style.BLUE, "tunnelled": style.DARK_RED, "locked walls": style.VERMILION,
            "load missed": style.GREEN, "non-convergence": style.GREY["55"], "refused": style.OLIVE, "crashed": style.BLACK, "timed out": style.BLACK}
-SYMBOLS = {"kt_over_kn": r"$k_t/k_n$", "beta_n": r"$\beta_n$"}
+SYMBOLS = {"kt_over_kn": r"$k_t/k_n$", "beta_n": r"$\beta_n$", "stiffening": r"$k_n$ over the usual"}
 HEIGHT = 4.7  # in, of one line of panels
 MOST_COLUMNS = 3
 LINES = ("-", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))

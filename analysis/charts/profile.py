@@ -10,16 +10,18 @@ from analysis.style import plt
 TITLE = "Speed against accuracy, over all scenes"
 LACKING = "no scene was measured by both methods"
 QUESTION = ("Which method, and which way of refining it, solves most scenes to a given accuracy, and how much slower than the fastest is it there? "
-            "Only scenes that both methods can run count.")
-BEST = {"MD": "MD, best of all", "CD": "CD, best of all"}
-# Six curves at most: the best of each method, and what people refine first.
+            "Only scenes that MD and rigid contacts can run count.")
+BEST = {"MD": "MD, best of all", "CD": "CD, best of all", table.SPRINGS: "springs in CD, best of all"}
+BOTH = {"MD", "CD"}
+# Seven curves at most: the best of each method, and what people refine first.
 SHOWN = {BEST["MD"]: (style.COLOUR["MD"], "-", 2.4), "MD step": (style.SKY, "-", 1), "MD stiffness": (style.GREEN, "-", 1),
-         BEST["CD"]: (style.COLOUR["CD"], "--", 2.4), "CD step": (style.ORANGE, "--", 1), "CD nsgs": (style.PINK, "--", 1)}
+         BEST["CD"]: (style.COLOUR["CD"], "--", 2.4), "CD step": (style.ORANGE, "--", 1), "CD nsgs": (style.PINK, "--", 1),
+         BEST[table.SPRINGS]: (style.PURPLE, ":", 2.4)}
 
 
 def quantities(table):
     solved = table[table.seconds.notna()].astype({"factor": float}).set_index(["series", "accuracy", "scene"]).factor.sort_index()
-    md, cd = ({level: solved[best, level] for level in (1e-2, 1e-4, 1e-6)} for best in BEST.values())
+    md, cd = ({level: solved[BEST[method], level] for level in (1e-2, 1e-4, 1e-6)} for method in ("MD", "CD"))
     faster = {level: (md[level] / cd[level]).dropna() for level in md}
     assert all(len(each) == len(md[level]) for level, each in faster.items())
     most, least = max(each.max() for each in faster.values()), [each.min() for each in faster.values()]
@@ -30,8 +32,8 @@ def rows(measured):
     """Return one row for each scene, accuracy and series: its time over that of the fastest series, or in `status` that no setting is so accurate."""
     found = []
     for scene, own in table.one_size(measured).groupby("scene", sort=False):
-        if set(own.method) == set(BEST):
-            several = table.by_series(own) + [(BEST[method], own[own.method == method]) for method in BEST]
+        if BOTH <= set(own.method):
+            several = table.by_series(own) + [(BEST[method], of_method) for method, of_method in own.groupby("method", sort=False)]
             for level in table.LEVELS:
                 for series, settings in several:
                     best = choice.cheapest(settings, level)

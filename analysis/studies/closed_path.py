@@ -1,4 +1,4 @@
-"""Force and energy that three tangential laws leave after a closed path of two disks; theory: yade_scripts/scenes/two_grain_path.py."""
+"""Force and energy that tangential laws leave after a closed path of two disks; theory: yade_scripts/scenes/two_grain_path.py."""
 import numpy as np
 import pandas
 
@@ -6,17 +6,20 @@ from analysis import style, summary
 from analysis.style import plt
 from yade_scripts.tables import product
 
-TITLE = "What do the three tangential laws do on a closed path?"
-QUESTION = "Two disks led along a closed path without slip."
+TITLE = "What do tangential laws do on a closed path?"
+QUESTION = "Two disks led along a closed path without slip: three laws of MD, and springs in Contact Dynamics."
 ORDER = 23  # in the report
 PART = "appendix"
-PATHS = dict(scene="two_grain_path", tangential_law=("standard", "avoid_ratcheting", "path_independent"), path_depth=(1e-4, 1e-3, 1e-2, 1e-1))
+PATHS = dict(scene="two_grain_path", path_depth=(1e-4, 1e-3, 1e-2, 1e-1))
+MD = PATHS | dict(tangential_law=("standard", "avoid_ratcheting", "path_independent"))
+IMPLICIT = "springs in CD"
 # The last rows take four times the steps: the error of the step falls.
-ROWS = {"quick": product(path_angle=0.1, **PATHS),
-        "full": product(path_angle=(0.01, 0.03, 0.1, 0.3), **PATHS) + product(path_angle=0.3, period=4.0, **PATHS)}
+ROWS = {"quick": product(path_angle=0.1, **MD) + product(path_angle=0.1, method="CD", **PATHS),
+        "full": [row for settings in (MD, PATHS | dict(method="CD"))
+                 for row in product(path_angle=(0.01, 0.03, 0.1, 0.3), **settings) + product(path_angle=0.3, period=4.0, **settings)]}
 
 LAWS = {"standard": ("standard (Cundall-Strack)", style.BLUE, "o"), "avoid_ratcheting": ("YADE's avoidGranularRatcheting", style.VERMILION, "s"),
-        "path_independent": ("path-independent: round-off", style.INK, "^")}
+        "path_independent": ("path-independent: round-off", style.INK, "^"), IMPLICIT: ("springs in Contact Dynamics", style.GREEN, "x")}
 # Theory for infinitely small steps, as functions of s = h/(2R): force left, size of the work.
 SMALL_STEPS = {("standard", "left_force"): lambda s: s, ("standard", "loop_work"): lambda s: s**2, ("avoid_ratcheting", "loop_work"): lambda s: s}
 FLOOR = 1e-18  # where a zero is drawn on the logarithmic axes
@@ -27,7 +30,8 @@ def summarize(run):
     """Return the row of a run: force and work over the largest force k_t 2R A and the largest energy k_t (2R A)^2/2 of the spring."""
     row, force, work = run.parameters, run.known["left_force"], run.known["loop_work"]
     share = row["path_depth"] / 2  # of the units in which the scene gives the force
-    return {"law": row["tangential_law"], "path_depth": row["path_depth"], "path_angle": row["path_angle"], "period_s": row["period"],
+    law = row["tangential_law"] if run.method == "MD" else IMPLICIT
+    return {"law": law, "path_depth": row["path_depth"], "path_angle": row["path_angle"], "period_s": row["period"],
             "left_force": force.measured * share, "left_force_theory": force.exact * share,
             "loop_work": work.measured, "loop_work_theory": work.exact, "slides": int(run.values("sliding_contacts").max())}
 
@@ -62,3 +66,7 @@ def _draw_law(axis, law, quantity, table):
     if (law, quantity) in SMALL_STEPS:
         depth = np.geomspace(table.path_depth.min(), table.path_depth.max())
         axis.loglog(depth, SMALL_STEPS[law, quantity](depth / 2), "--", color=colour, linewidth=0.7)
+
+
+def quantities(table):
+    return {"implicit": IMPLICIT}

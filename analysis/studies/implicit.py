@@ -105,6 +105,8 @@ def quantities(table):
     high = table[(table.medium == SPRINGS) & (table.dSigma > table.dSigma.min())]
     md = table[(table.medium == MD) & (table.dSigma == table.dSigma.min()) & (table.stiffness_over_kn == 1)]
     laws = md[md.law == "path_independent"].set_index("packing").largest / md[md.law == "standard"].set_index("packing").largest
-    return {"packings": len(seeds), "same": springs.dropna(subset=["largest over MD"]), "rigid": rigid.largest, "steps": checks.sort_values("step_s"),
+    means = main[main.medium == MD].groupby("stiffness_over_kn").largest.mean()
+    return {"packings": len(seeds), "same": springs.dropna(subset=["largest over MD"]), "usual_over": springs[springs.stiffness_over_kn == 1],
+            "md_means": means, "rigid": rigid.largest, "steps": checks.sort_values("step_s"),
             "powers": pandas.Series(np.polyfit(np.log(by.index.astype(float)), np.log(by), 1)[0]), "by": by, "high": high, "laws": laws.dropna(),
             "unsolved": int(springs.unsolved_steps.sum())}

@@ -20,7 +20,7 @@ STIFFER, LOAD, SEEDS = (1, 10, 100), 0.4, range(1, 11)
 LOWER = 0.3  # 0.75 to 0.96 of the limits
 NEAR = 0.96    # of the limit
 SOLVED, LOOSER = 1e-7, 1e-6  # tolerances for comparison
-FIRST_PEAK, LAST_PEAK = 1, 2  # snapshots of runs of several cycles; 0 is the start
+FIRST_PEAK, LAST_PEAK = 1, 3  # snapshots of runs of several cycles; 0 is the start, 2 the end of the first cycle
 ROWS = {"quick": [SPRINGS | dict(stiffening=stiffer, period=PERIODS[stiffer], delta_sigma=LOAD, cycles=4) for stiffer in STIFFER[:2]]
         + product(delta_sigma=LOAD, cycles=4, **RIGID),
         "full": [row for settings in (
@@ -46,7 +46,7 @@ def summarize(run):
             **summary.columns(run, "dSigma", "seed", "static limit", "load over limit"),
             "first cycle": abs(found.first), "rate": -found.late_rate, "rate error": cycles.error_of_mean(found.rate[-(len(found.rate) // 2):]),
             **summary.columns(run, "gamma at the end", "last quarter's rate over the one before"),
-            "contacts changed": changed(*run.snapshots[FIRST_PEAK:LAST_PEAK + 1]) if len(run.snapshots) > LAST_PEAK else np.nan,
+            "contacts changed": changed(run.snapshots[FIRST_PEAK], run.snapshots[LAST_PEAK]) if len(run.snapshots) > LAST_PEAK else np.nan,
             "limit at the last load": limits.static_limit(run, LAST_PEAK) if rigid and len(run.snapshots) > LAST_PEAK else np.nan,
             **summary.columns(run, "unsolved steps", "balance error", "outcome")}
 

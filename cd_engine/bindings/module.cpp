@@ -152,12 +152,13 @@ py::tuple solve(const py::tuple& arrays, const py::object& impulses, const std::
 	return py::make_tuple(bytes(p), report);
 }
 
-// Spheres in space: six inverse masses and six free velocities a body; two bodies, a normal, two distances from the centres, a bias and a friction
-// coefficient a contact; of an impulse the normal part, and the three components of what is across.
+// Spheres in space: six inverse masses and six free velocities a body; two bodies, a normal, two distances from the centres, a bias, a friction
+// coefficient, two compliances and the bias of the slip a contact; of an impulse the normal part, and the three components of what is across.
 cd::ContactSystem<cd::Space3> sphereSystem(const py::tuple& arrays, const std::vector<double>& p)
 {
 	const auto w = numbers<double>(arrays[0]), v = numbers<double>(arrays[1]), normal = numbers<double>(arrays[3]),
-		   arm = numbers<double>(arrays[4]), bias = numbers<double>(arrays[5]), mu = numbers<double>(arrays[6]);
+		   arm = numbers<double>(arrays[4]), bias = numbers<double>(arrays[5]), mu = numbers<double>(arrays[6]),
+		   compliance = numbers<double>(arrays[7]), slip = numbers<double>(arrays[8]);
 	const auto pair = numbers<int32_t>(arrays[2]);
 	cd::ContactSystem<cd::Space3> s;
 	s.memory = &memory;
@@ -179,9 +180,15 @@ cd::ContactSystem<cd::Space3> sphereSystem(const py::tuple& arrays, const std::v
 		c.bt = arm[2 * i + 1];
 		c.bias = bias[i];
 		c.mu = mu[i];
+		c.cn = compliance[2 * i];
+		c.ct = compliance[2 * i + 1];
+		c.slipX = slip[3 * i];
+		c.slipY = slip[3 * i + 1];
+		c.slipZ = slip[3 * i + 2];
 		cd::setImpulse(c, { impulse[0], impulse[1], impulse[2], impulse[3] });
 	}
 	s.assembleBlocks();
+	s.contacts.compliant = !s.contacts.empty() && std::all_of(s.contacts.begin(), s.contacts.end(), [](const auto& c) { return c.compliant(); });
 	return s;
 }
 

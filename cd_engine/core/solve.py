@@ -122,9 +122,11 @@ def solve(problem, method="auto", tolerance=1e-8, max_iterations=100000, impulse
         raise ValueError(f"threads={threads} is out of range: it must be at most 1024")
     if isinstance(problem, SpaceBodyProblem) and method != "newton" and (spheres := replace(problem).spheres()) is not None:
         p = None if impulses is None else vector("impulses", impulses, 3 * problem.contacts)
-        report = _solve_spheres(spheres, problem, method, tolerance, max_iterations, p, fixed_iterations, seed, threads, trace)
+        factorizes = method == "auto" and problem.contacts <= MOST_IN_MATRIX
+        most = (max_iterations + 1) // 2 if factorizes else max_iterations  # sweeps
+        report = _solve_spheres(spheres, problem, method, tolerance, most, p, fixed_iterations, seed, threads, trace)
         left = max_iterations - report.iterations
-        if method != "auto" or report.converged or fixed_iterations > 0 or left <= 0 or problem.contacts > MOST_IN_MATRIX:
+        if not factorizes or report.converged or fixed_iterations > 0 or left <= 0:
             return report
         rest = solve(problem.delassus(), method, tolerance, left, report.impulses, seed=seed, trace=trace)
         evaluations = np.vstack([report.trace, rest.trace + [report.iterations, 0]]) if trace else None

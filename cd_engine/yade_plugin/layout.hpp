@@ -70,6 +70,7 @@ inline Member<int> material_id { "Material", "id" };
 inline Member<double> sphere_radius { "Sphere", "radius" }, frictMat_frictionAngle { "FrictMat", "frictionAngle" };
 inline Member<double> elastMat_young { "ElastMat", "young" }, elastMat_poisson { "ElastMat", "poisson" };
 inline Member<Vector3r> box_extents { "Box", "extents" };
+inline Member<std::vector<Vector3r>> facet_vertices { "Facet", "vertices" };
 inline Member<int> wall_sense { "Wall", "sense" }, wall_axis { "Wall", "axis" };
 
 inline Member<int> interaction_id1 { "Interaction", "id1" }, interaction_id2 { "Interaction", "id2" };

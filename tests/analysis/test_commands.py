@@ -64,12 +64,12 @@ def test_line_width_grows_with_the_force(md, tmp_path):
 
 def test_a_table_of_a_study_runs_under_yade_batch(capsys, tmp_path):
     """Printed, it reads back as the same rows."""
-    assert main(["table", "stiffness", "--full"]) == 0
-    path = tmp_path / "stiffness.txt"
+    assert main(["table", "implicit", "--full"]) == 0
+    path = tmp_path / "implicit.txt"
     path.write_text(capsys.readouterr().out)
     rows = list(tables.read(path).values())
     names = [parameters.result_name(parameters.complete(row)) for row in rows]
-    assert names == [parameters.result_name(row) for row in studies.rows("stiffness", True)]
+    assert names == [parameters.result_name(row) for row in studies.rows("implicit", True)]
     assert tables.batch_row(f"{path}:2") == rows[0]
 
 

@@ -1,12 +1,11 @@
-"""The loop in numbers, and the summaries of the studies of tolerance and stiffness, on result files with known answers."""
+"""The loop in numbers, and the summary of the study of tolerance, on result files with known answers."""
 import numpy as np
 import pytest
 
 from analysis import loops
-from analysis.studies import stiffness, tolerance
+from analysis.studies import tolerance
 from tests.analysis.conftest import history, write
 from yade_scripts.results import reader
-from yade_scripts.theory import effective_medium
 
 
 def made(path, method="CD", scale=1e-3, row=None, seed=1):
@@ -36,20 +35,6 @@ def test_a_cycle_that_is_not_complete_has_no_loop(tmp_path):
 def test_spread_over_packings(tmp_path):
     found = loops.spread([made(tmp_path / f"{k}.h5", scale=k * 1e-3) for k in (1, 2, 3)], 10)
     assert (found["largest_low"], found["largest"], found["largest_high"]) == pytest.approx((0.01, 0.02, 0.03), rel=1e-12)
-
-
-def test_stiffness_compares_strains_times_stiffness(tmp_path):
-    """Two media whose strain is inverse to their stiffness are on one curve, whatever sweeps and step make kappa."""
-    runs = [made(tmp_path / "md.h5", "MD", 1e-3)]
-    for sweeps, step in ((19, 2.5e-3), (5, 1.25e-3)):
-        row = {"fixed_iterations": sweeps, "cd_dt": step, "reference_overlaps": False}
-        ratio = effective_medium.stiffness({**runs[0].parameters, **row}) / 2e6
-        runs.append(made(tmp_path / f"{sweeps}.h5", "CD", 1e-3 / ratio, row))
-    rows = stiffness.summarize(runs)
-    assert [row["medium"] for row in rows] == [stiffness.MD, stiffness.AS_SPRINGS, stiffness.AS_SPRINGS]
-    assert [row["scaled_largest"] for row in rows] == pytest.approx([1e-3] * 3, rel=1e-12)
-    stiffness.draw(runs, rows, tmp_path / "figure.png")
-    assert (tmp_path / "figure.png").stat().st_size > 1000
 
 
 def test_tolerance_sorts_runs_by_what_is_varied(tmp_path):

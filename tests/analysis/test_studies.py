@@ -167,7 +167,7 @@ def test_a_summary_is_written_with_all_digits_and_regenerates(fig4_results, tmp_
     assert f",{float(np.abs(md.values('gamma')).max())!r}," in first.with_suffix(".csv").read_text()
 
 
-@pytest.mark.parametrize("name", ("fig4", "fig3", "fig5", "influence", "tolerance", "stiffness", "laws", "collapse", "isostatic"))
+@pytest.mark.parametrize("name", ("fig4", "fig3", "fig5", "influence", "tolerance", "implicit", "three_methods", "laws", "collapse", "isostatic"))
 def test_a_study_is_drawn_of_whichever_runs_there_are(name, tmp_path):
     """Rows fail or are still to come: of the first one alone, and of one method alone, a study says what it can."""
     rows = studies.rows(name, False)

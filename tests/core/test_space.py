@@ -1,10 +1,16 @@
 """Contact problems in space: files, the error, the law of one contact, and solutions of random scenes, all against formulas of their own."""
+import ctypes
+from dataclasses import replace
+
 import h5py
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.optimize import linprog
 
 from cd_engine import core
+from cd_engine.core.files.space_bodies import tangents
+from tests import needs
 from yade_scripts.measuring.benchmark import space_scenes
 
 
@@ -147,7 +153,7 @@ def test_bodies_and_rows_have_one_solution():
 
 @pytest.mark.parametrize("change", [
     dict(arms=lambda x: x + 0.1), dict(inverse_inertias=lambda x: x * np.array([1, 1, 1.1])[:, None] * np.eye(3)), dict(bias=lambda x: x - 2),
-    dict(compliance=lambda x: x + 1), dict(inverse_masses=lambda x: x * [1, 1, 1.1])])
+    dict(compliances=lambda x: x + [0, 1]), dict(inverse_masses=lambda x: x * [1, 1, 1.1])])
 def test_what_is_not_for_sweeps_over_spheres(change):
     right = space_scenes.scene("spheres", 5, 0.5, 1)
     fields = vars(right) | {name: change(vars(right)[name]) for name, change in change.items()}
@@ -156,12 +162,46 @@ def test_what_is_not_for_sweeps_over_spheres(change):
 
 def test_bodies_and_their_matrix_agree():
     bodies = space_scenes.scene("capsules", 8, 0.3, 2)
-    bodies.compliance[:, 0], bodies.compliance[:, 1] = 0.1, 0.2
+    bodies.compliances[:, 0], bodies.compliances[:, 1] = 0.1, 0.2
     problem, p = bodies.delassus(), np.random.default_rng(1).normal(0, 1, 3 * bodies.contacts)
     assert np.allclose(bodies.velocities(p), problem.velocities(p), rtol=1e-12)
     assert abs(problem.W - problem.W.T).max() == 0 and np.linalg.eigvalsh(problem.W.toarray())[0] > 0.09
     report = core.solve(bodies)
     assert report.converged and error_of(problem, report.impulses) < 1e-8
+
+
+def sprung(problem, kh2):
+    """The problem with springs at all contacts: k h^2 times W_nn is `kh2`, of both springs; their forces before the step differ."""
+    C = np.repeat(problem._own()[:, :1] / kh2, 2, axis=1)
+    draw = np.random.default_rng(1)
+    return replace(problem, compliances=C, slip_bias=draw.normal(0, 0.1, C.shape), bias=problem.bias - draw.uniform(0, 0.2, len(C)))
+
+
+@pytest.mark.parametrize("kind, mu", [("spheres", 0.3), ("boxes", 0.8), ("capsules", 1.5)])
+@pytest.mark.parametrize("kh2", [0.1, 1.0, 100.0])
+def test_springs_at_contacts(kind, mu, kh2):
+    """Sweeps over spheres and over rows find the same impulses, since W + C has one solution where the springs are soft."""
+    problem = sprung(space_scenes.scene(kind, 40, mu, 2, 1e3), kh2)
+    assert (problem.spheres() is not None) == (kind == "spheres")
+    over_bodies, over_rows = core.solve(problem), core.solve(problem.delassus())
+    for report in (over_bodies, over_rows):
+        assert report.converged and error_of(problem.delassus(), report.impulses) <= 1.001e-8
+    if kh2 <= 1:
+        assert np.allclose(over_bodies.impulses, over_rows.impulses, atol=1e-6 * np.abs(over_rows.impulses).max())
+
+
+def test_a_sphere_on_a_spring():
+    """Pressed into a floor and pushed aside, by hand: p = -h k (g + h u_n) and the friction of its spring, or mu p."""
+    h, k, kt, m, g, push, before = 1e-2, 3e4, 2e4, 2.0, -1e-3, 4.0, 5.0
+    for mu, slides in ((10.0, False), (0.05, True)):
+        normal = np.array([0.36, 0.48, 0.8])
+        t = tangents(normal[None])[0][0]
+        problem = core.SpaceBodyProblem([[0, 0, 0], [1 / m] * 3], [0, 0], [[0] * 6, [*(push * h / m * t), 0, 0, 0]], [[0, 1]], [normal], [[0] * 6],
+                                        [g / h], [mu], [[1 / (k * h * h), 1 / (kt * h * h)]], [[before / (kt * h), 0]])
+        p = core.solve(problem, tolerance=1e-13).impulses
+        u = np.array([p[0] / m, push * h / m + p[1] / m, p[2] / m])
+        assert p[0] == pytest.approx(-h * k * (g + h * u[0]), rel=1e-12)
+        assert p[1] == pytest.approx(-mu * p[0] if slides else -h * before - kt * h * h * u[1], rel=1e-12) and abs(p[2]) < 1e-12
 
 
 @pytest.mark.parametrize("wrong, words", [
@@ -170,7 +210,7 @@ def test_bodies_and_their_matrix_agree():
     (dict(inverse_inertias=lambda x: -x - np.eye(3)), "negative eigenvalue"),
     (dict(arms=lambda x: x[:, :4]), r"arms has the shape"),
     (dict(inverse_masses=lambda x: 0 * x, inverse_inertias=lambda x: 0 * x), "neither of its bodies"),
-    (dict(compliance=lambda x: x - 1), "compliance.*negative")])
+    (dict(compliances=lambda x: x - 1), "compliances.*negative")])
 def test_wrong_bodies_are_refused(wrong, words):
     right = space_scenes.scene("boxes", 5, 0.5, 1)
     fields = vars(right) | {name: change(vars(right)[name].copy()) for name, change in wrong.items()}
@@ -186,6 +226,33 @@ def test_what_cannot_be_solved_is_proven():
                                     [[0, 0, 0, 0, 0, -1], [0, 0, 1, 0, 0, 0]], [0, 0], [0.5, 0.5])
     report = core.solve(problem)
     assert report.status == "no_solution" and report.bodies in ((0, 1), (1, 2))
+
+
+@pytest.mark.parametrize("kind", ["spheres", "boxes"])
+def test_no_solution_is_said_where_linear_programming_says_so(kind):
+    """Heaps whose floor rises into lids that stand still. Contacts can stop closing if some u = W p + q has no negative normal part."""
+    draw, known = np.random.default_rng(4), []
+    for seed in range(12):
+        heap = space_scenes.scene(kind, 6, draw.choice([0, 0.3, 0.8]), seed)
+        above = heap.pairs[(heap.pairs[:, 0] == len(heap.inverse_masses) - 1) & (heap.normals[:, 2] > 0.9), 1]
+        lids = draw.choice(above if seed % 4 == 1 and len(above) else np.unique(heap.pairs)[:-1], 1 + seed % 3)
+        free = np.vstack([heap.free_velocities, np.zeros((1, 6))])
+        free[-2, 2] = 0.3 * (seed % 2)
+        problem = core.SpaceBodyProblem(
+            np.vstack([heap.inverse_masses, np.zeros((1, 3))]), np.concatenate([heap.inverse_inertias, np.zeros((1, 3, 3))]), free,
+            np.vstack([heap.pairs, [[body, len(free) - 1] for body in lids]]), np.vstack([heap.normals, [[0, 0, 1]] * len(lids)]),
+            np.vstack([heap.arms, [[0, 0, 1, 0, 0, 0]] * len(lids)]), np.concatenate([heap.bias, np.zeros(len(lids))]),
+            np.concatenate([heap.mu, np.full(len(lids), 0.3)])).delassus()
+        W, q = problem.W.toarray(), problem.q
+        # The least closing that velocities can have.
+        best = linprog(np.append(np.zeros(len(q)), 1), np.column_stack([-W[::3], -np.ones(problem.contacts)]), q[::3],
+                       bounds=[(None, None)] * len(q) + [(0, None)])
+        possible = best.x[-1] < 1e-9
+        report = core.solve(problem, tolerance=1e-8, max_iterations=20000)
+        assert report.status != "no_solution" if possible else not report.converged
+        known.append((possible, report.status))
+    assert (False, "no_solution") in known and (True, "converged") in known
+    assert all(status == "no_solution" for possible, status in known if not possible)
 
 
 @pytest.fixture
@@ -223,6 +290,26 @@ def test_siconos_text_in_blocks(tmp_path, problem):
     options.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = 1
     numerics.fc3d_driver(theirs, r, u, options)
     assert np.allclose(u, problem.velocities(r))
+
+
+class FclibSolution(ctypes.Structure):
+    """struct fclib_solution."""
+    _fields_ = [(name, ctypes.POINTER(ctypes.c_double)) for name in "vurl"]
+
+
+def test_libfclib_s_own_error_of_a_solution(tmp_path, problem):
+    """It reads the unsymmetric W that was written, and finds that the impulses solve the problem; those of the transpose do not."""
+    library = needs.libfclib()
+    library.fclib_read_local.restype = ctypes.c_void_p
+    library.fclib_merit_local.restype = ctypes.c_double
+    core.write_problem(tmp_path / "a.hdf5", problem)
+    theirs = ctypes.c_void_p(library.fclib_read_local(str(tmp_path / "a.hdf5").encode()))
+
+    def error(p):
+        arrays = [(ctypes.c_double * len(p))(*x) for x in (0 * p, problem.velocities(p), p, 0 * p)]
+        return library.fclib_merit_local(theirs, 0, ctypes.byref(FclibSolution(*(ctypes.cast(x, ctypes.POINTER(ctypes.c_double)) for x in arrays))))
+    p, transposed = (core.solve(core.Problem(W, problem.q, problem.mu, 3), tolerance=1e-11).impulses for W in (problem.W, problem.W.T))
+    assert error(p) < 1e-9 and error(transposed) > 1e-5
 
 
 def write_global(path, M, H, f, w, mu, nz, order="siconos"):

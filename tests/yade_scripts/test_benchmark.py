@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from cd_engine import core
-from yade_scripts.measuring.benchmark import problems, siconos, solutions, sweeps
+from yade_scripts.measuring.benchmark import problems, siconos, solutions, spheres, sweeps
 from yade_scripts.measuring.benchmark.jammed import BALANCED, STIFFNESS, hilbert, jammed
 
 PEERS = pytest.mark.skipif(siconos.available() is not None, reason="python3-siconos is not installed")
@@ -42,6 +42,35 @@ def test_jammed_disks_balance_the_load():
     assert 1.4 < len(sizes) / 80 < 2.1 and 0.76 < np.pi * r @ r / sides.prod() < 0.86
     again = jammed(radii, 4)
     assert all(np.array_equal(a, b) for a, b in zip((x, sides, r), again))
+
+
+def test_packed_spheres_are_at_rest_under_the_load():
+    packed = spheres.packing(100, 3)
+    again = spheres.packing(100, 3)
+    assert all(np.array_equal(a, b) for a, b in zip(packed, again))
+    radii, x, sides = packed
+    way = x[:, None] - x
+    overlap = (radii[:, None] + radii - np.linalg.norm(way, axis=2))[np.triu_indices(100, 1)]
+    assert overlap.max() < 0.05 and ((x > 0.95 * radii[:, None]) & (x < sides - 0.95 * radii[:, None])).all()
+    problem = spheres.problem(packed, spheres.PREPARED)
+    report = core.solve(problem, "accelerated", 1e-5)
+    v, free = problem.body_velocities(report.impulses), np.abs(problem.free_velocities).max()
+    assert report.converged and np.abs(v[[1, 3, 5], [0, 1, 2]]).max() < 1e-3 * free
+    # Each loaded wall carries the load on its area, y+ a little more; those opposite carry the same, since the spheres weigh nothing.
+    p, mass = report.impulses[::3], 1 / problem.inverse_masses[1, 0]
+    for low, high, axis in ((0, 1, 0), (2, 3, 1), (4, 5, 2)):
+        load = mass * spheres.FREE * sides.prod()**(1 / 3) / sides[axis] * (1 + spheres.MORE * (high == 3))
+        assert p[(problem.pairs == high).any(axis=1)].sum() == pytest.approx(load, rel=1e-3)
+        assert p[(problem.pairs == low).any(axis=1)].sum() == pytest.approx(load, rel=1e-2)
+    warm, cold = (core.solve(problem, "accelerated", 1e-4, impulses=guess) for guess in (problem.impulses, None))
+    assert warm.iterations < cold.iterations
+
+
+@PEERS
+def test_siconos_solves_in_space():
+    problem = core.SpaceBodyProblem(**vars(spheres.problem(spheres.packing(20, 1), 0.5)))
+    points = siconos.Peer(problem).history(np.zeros(3 * problem.contacts), 1e-6, 5.0)
+    assert points[-1].residual <= 1e-6 and siconos.reached(points, 1e-4).sweeps < points[-1].sweeps
 
 
 @pytest.mark.parametrize("rows", [4, 5])

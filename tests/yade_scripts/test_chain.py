@@ -87,8 +87,8 @@ def test_warm_start_with_gap_correction_is_unstable_beyond_routh(x):
 def test_few_sweeps_make_springs_of_contact_dynamics(yade60):
     """19 sweeps of 2.5 ms are k_n: CD whose contacts part where the springs' would gives MD's loop; parting as rigid ones it keeps less.
 
-    25 %: kappa is a chain's, and this is a plane network of 60 disks, 8 across, over which 19 sweeps spread a force (study stiffness: 400
-    disks). Measured 10 % and 14 %. With q = 1/2 instead of 0.797, sweeps that do not see each other, kappa would be off by 60 %.
+    25 %: kappa is a chain's, and this is a plane network of 60 disks, 8 across, over which 19 sweeps spread a force. Measured 10 % and
+    14 %. With q = 1/2 instead of 0.797, sweeps that do not see each other, kappa would be off by 60 %.
     """
     def loop(**row):
         with yade60.run(loading="cosine", **row) as file:

@@ -1,4 +1,4 @@
-"""The closed path of two disks under the three tangential laws, against the theory in the scene's own words; and its study."""
+"""The closed path of two disks under all tangential laws, against the theory in the scene's own words; and its study."""
 import math
 
 import pytest
@@ -61,6 +61,16 @@ def test_paths_around_twice_leave_twice_the_force(yade60):
         known = file["known/left_force"]
         assert known[()] == pytest.approx(2, abs=1e-5)
         assert known[()] == pytest.approx(known.attrs["exact"], abs=1e-6)
+
+
+def test_springs_of_contact_dynamics_follow_the_standard_law(yade60):
+    """They turn the force exactly; a step stretches the spring by d sin(A/n), which is in the exact value. The work's error is of second order:
+    A^2/n^2 = 2e-7."""
+    found = yade60.load(disks=2, scene="two_grain_path", method="CD", path_depth=0.1, path_angle=0.1)
+    row, = closed_path.summarize([found])
+    assert row["law"] == closed_path.IMPLICIT and row["slides"] == 0
+    assert row["left_force"] == pytest.approx(0.05, abs=1e-8) and row["left_force"] == pytest.approx(row["left_force_theory"], abs=1e-12)
+    assert row["loop_work"] == pytest.approx(0.05**2, abs=2e-7)
 
 
 def test_study_draws(runs, tmp_path):

@@ -1,6 +1,6 @@
 """Makes the measurements for the charts of speed against accuracy and the maps of stability. Existing measurements are not repeated.
 
-    /usr/bin/python3 -m yade_scripts.measuring [--quick | --full] [--only stack md_contact] [--jobs 2]
+    /usr/bin/python3 -m yade_scripts.measuring [--quick | --full] [--only stack md_contact] [--series "MD step"] [--jobs 2]
 
 One YADE process measures a whole chart or map. A measurement that crashes or takes too long is stored as failed, and the others go on.
 Exit status: 0 all is measured (failures are results, too), 1 something could not be measured, 2 wrong arguments.
@@ -28,9 +28,9 @@ def under_way(work):
 class Measurements(queue.Job):
     """The worker process of one chart or map. It is started again after a measurement that ended it."""
 
-    def __init__(self, kind, name, full, folder):
-        self.work = KINDS[kind].Work(name, full, pathlib.Path(folder))
-        settings = {"kind": kind, "name": name, "full": full, "folder": str(folder)}
+    def __init__(self, kind, name, full, folder, **more):
+        self.work = KINDS[kind].Work(name, full, pathlib.Path(folder), **more)
+        settings = {"kind": kind, "name": name, "full": full, "folder": str(folder)} | more
         super().__init__("measuring/in_yade.py", ["worker", json.dumps(settings)], self.work.folder / f"{name}.log")
         self.at = under_way(self.work)
         self.at.unlink(missing_ok=True)
@@ -61,15 +61,17 @@ def main(arguments=None):
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring")
     commands.add_extent(parser)
     parser.add_argument("--only", nargs="+", metavar="NAME", default=(), help="these scenes and maps")
+    parser.add_argument("--series", metavar="BEGINNING", help="no maps, and only the series of settings whose names begin so")
     options = commands.add(parser, "--jobs", "--results").parse_args(arguments)
     broken = []
-    known = {name: kind for kind, module in KINDS.items() for name in module.names(broken)}
+    kinds, more = ({"charts": charts}, {"series": options.series}) if options.series else (KINDS, {})
+    known = {name: kind for kind, module in kinds.items() for name in module.names(broken)}
     for message in broken:
         print(f"measuring: {message}", file=sys.stderr)
     if unknown := [name for name in options.only if name not in known]:
         raise ParameterError(f"there is no chart or map of {', '.join(unknown)}; there are {', '.join(known)}")
     results.make(options.results)
-    jobs = [Measurements(known[name], name, options.full, options.results) for name in options.only or known]
+    jobs = [Measurements(known[name], name, options.full, options.results, **more) for name in options.only or known]
     jobs.sort(key=lambda job: -job.work.limit)  # the longest first
     queue.run(jobs, options.jobs)
     for work in [job.work for job in jobs]:

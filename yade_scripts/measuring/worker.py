@@ -14,9 +14,9 @@ from yade_scripts.measuring.charts import measure
 MEASURE = {"charts": measure.left, "maps": maps.Work.measure}
 
 
-def main(kind, name, full, folder):
-    """Measure what is missing of the chart or map `name` in the folder of results."""
-    work = runner.KINDS[kind].Work(name, full, pathlib.Path(folder))
+def main(kind, name, full, folder, **more):
+    """Measure what is missing of the chart or map `name` in the folder of results. more: of the chart's Work."""
+    work = runner.KINDS[kind].Work(name, full, pathlib.Path(folder), **more)
     under_way = runner.under_way(work)
 
     def limit(seconds):

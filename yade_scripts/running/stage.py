@@ -51,8 +51,8 @@ class Ground:
         return [self.disk(place, radius=radius).id for place, radius in zip(places, radii)]
 
     def sag(self, force):
-        """Return the overlap [m] of a contact that carries `force` [N] at rest: that of the spring in MD, 0 in CD."""
-        return force / parameters.stiffness(self.full) if self.full["method"] == "MD" else 0.0
+        """Return the overlap [m] of a contact that carries `force` [N] at rest: that of the spring, 0 of rigid contacts."""
+        return force / parameters.stiffness(self.full) if parameters.has_springs(self.full) else 0.0
 
 
 def scene(full, lightest=None, **more):

@@ -30,7 +30,7 @@ def build(full, folder, load=None):
     from yade_scripts.running import loading, stage
     checksum = prepare.load(full, folder)
     per_cycle, samples = full["records_per_cycle"], full["records_per_cycle"] * full["cycles"]
-    snapshots = {per_cycle // 2, samples - per_cycle // 2}
+    snapshots = {per_cycle // 2, per_cycle, samples - per_cycle // 2}
     if full["loading"] == "ramp" or full["cycles"] == 1:
         snapshots |= set(range(0, samples, max(1, samples // SNAPSHOTS)))
     scene = stage.scene(full, state_sha256=checksum, snapshots=snapshots, kept={})

@@ -1,7 +1,7 @@
 """A small step of sigma2 on a packing, far from any slip: springs strain by linear elasticity, rigid contacts do not strain.
 
 The step P0 delta_sigma comes as half a cosine over the whole time. The exact gamma of the springs follows from the stiffness matrix of
-the contact network (running/elastic.py) and is proportional to 1/k_n. In the stiff limit, and in CD, it is 0.
+the contact network (running/elastic.py) and is proportional to 1/k_n. In the stiff limit, and of rigid contacts, it is 0.
 """
 from yade_scripts import parameters
 from yade_scripts.scenes import Chart, Known, biaxial
@@ -24,8 +24,8 @@ def build(full, folder):
     sides = walls.sides()
     springs = elastic.strain(p0 * full["delta_sigma"])
     scene.known = [
-        Known("gamma", "1", springs if full["method"] == "MD" else 0.0, lambda: walls.gamma(sides), scale=abs(springs),
-              source="MD: stiffness matrix of the contacts; CD: rigid contacts below yield; scale: the strain of the springs"),
+        Known("gamma", "1", springs if parameters.has_springs(full) else 0.0, lambda: walls.gamma(sides), scale=abs(springs),
+              source="springs: stiffness matrix of the contacts; rigid contacts rest below yield; scale: the strain of the springs"),
         Known("sigma2", "Pa", p0 * (1 + full["delta_sigma"]), lambda: walls.mean_stresses()[1], scale=p0 * full["delta_sigma"],
               source="the prescribed load; scale: its step")]
     return scene

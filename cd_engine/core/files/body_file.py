@@ -20,7 +20,8 @@ def write(path, problem):
     """Write `problem`. An existing file of that name is replaced only once the new one is complete."""
     problem = replace(problem)  # checked anew, since its arrays may have been changed
     with replaced(path) as aside, open(aside, "wb") as file:
-        np.savez(file, **{name: getattr(problem, name) for name in NAMES[type(problem)] if name not in OPTIONAL or problem.compliances.any()})
+        springs = problem.compliances.any() or problem.slip_bias.any()
+        np.savez(file, **{name: getattr(problem, name) for name in NAMES[type(problem)] if name not in OPTIONAL or springs})
 
 
 def read(path):

@@ -155,8 +155,9 @@ def _matrix(reader, name, columns, square=False):
 
 
 def _triplets(reader, name, shape, i, p, value):
-    """fclib.h has p as rows and i as columns, but Siconos, which writes most of these files, the other way round, as CSparse does. For a W of the
-    plane, which is symmetric, both are the same. H has something in every column; only Siconos's order is possible if that is p."""
+    """fclib.h calls p the rows and i the columns, but FCLIB's own functions hand the matrix to CSparse, for which i are the rows, and Siconos, which
+    writes most of these files, does so, too. For a W of the plane, which is symmetric, both are the same. H has something in every column; only this
+    order is possible if that is p."""
     siconos = reader.integer("spacedim") == 3 or (name == "H" and len(np.unique(p)) == shape[1])
     row, column = (i, p) if siconos else (p, i)
     for letter, entries, size in (("p" if siconos else "i", column, shape[1]), ("i" if siconos else "p", row, shape[0])):

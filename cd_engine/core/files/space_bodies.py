@@ -31,7 +31,9 @@ class SpaceBodyProblem:
     arms              (n, 6): from the centre of a to the contact [m], then from the centre of b
     bias              (n,): added to the normal relative velocity [m/s]: gap/h, or Newton's restitution
     mu                (n,): Coulomb's friction coefficient, from 0 to 1e6
-    compliance        (n, 2): of springs along the normal and across it, 1/(k h^2) [1/kg], added to the diagonal of W; default: 0, rigid
+    compliances       (n, 2): C [1/kg] of springs along the normal and across it, 1/(k h^2), added to the diagonal of W; default: 0, rigid
+    slip_bias         (n, 2): added to the relative velocity along the two tangents [m/s], such as the force that a spring has already, times
+                      -h C; default: 0
     impulses          (3n,): a first guess [N s]; default: zero. `solve` starts from it only if told to
 
     ValueError, with the place, is raised for any other input, and for a contact of two bodies that cannot move along its normal.
@@ -44,7 +46,8 @@ class SpaceBodyProblem:
     arms: np.ndarray
     bias: np.ndarray
     mu: np.ndarray
-    compliance: np.ndarray = field(default=None)
+    compliances: np.ndarray = field(default=None)
+    slip_bias: np.ndarray = field(default=None)
     impulses: np.ndarray = field(default=None)
     dimension = 3
 
@@ -60,9 +63,10 @@ class SpaceBodyProblem:
         self.arms = array("arms", self.arms, (n, 6))
         self.bias = array("bias", self.bias, (n,))
         self.mu = array("mu", self.mu, (n,))
-        self.compliance = np.zeros((n, 2)) if self.compliance is None else array("compliance", self.compliance, (n, 2))
+        self.compliances = np.zeros((n, 2)) if self.compliances is None else array("compliances", self.compliances, (n, 2))
+        self.slip_bias = np.zeros((n, 2)) if self.slip_bias is None else array("slip_bias", self.slip_bias, (n, 2))
         self.impulses = np.zeros(3 * n) if self.impulses is None else array("impulses", self.impulses, (3 * n,))
-        for name in ("inverse_masses", "compliance"):
+        for name in ("inverse_masses", "compliances"):
             refuse_negative(name, getattr(self, name))
         refuse_friction(self.mu)
         turned = self.inverse_inertias
@@ -92,27 +96,29 @@ class SpaceBodyProblem:
     def velocities(self, impulses):
         """Return the relative velocities u [m/s] for impulses p [N s], 3n each; the bias is included, and what springs give way."""
         u = (self._directions().T @ self.body_velocities(impulses).ravel()).reshape(-1, 3)
-        u[:, 0] += self.bias
-        return (u + np.asarray(impulses).reshape(-1, 3) * self.compliance[:, [0, 1, 1]]).ravel()
+        u += np.column_stack([self.bias, self.slip_bias])
+        return (u + np.asarray(impulses).reshape(-1, 3) * self.compliances[:, [0, 1, 1]]).ravel()
 
     def delassus(self):
-        """Return the problem as a `Problem`: W = H^T M^-1 H + compliance, q = H^T v + bias."""
+        """Return the problem as a `Problem`: W = H^T M^-1 H + C, q = H^T v + bias."""
         H, mass = self._directions().tocsc(), self._inverse_mass()
-        W = H.T @ mass @ H + sparse.diags(self.compliance[:, [0, 1, 1]].ravel())
+        W = H.T @ mass @ H + sparse.diags(self.compliances[:, [0, 1, 1]].ravel())
         return Problem(0.5 * (W + W.T), self.velocities(np.zeros(3 * self.contacts)), self.mu, 3)
 
     def spheres(self):
         """Return the arrays that sweeps over spheres need, or None if the problem is not one for them.
 
         The normal of every contact passes through the centre of each of its bodies that can turn, whose inertia is the same about all axes; other
-        bodies move alike in all directions, or along the normals of their contacts. Nothing drives bodies into each other: a solution exists.
+        bodies move alike in all directions, or along the normals of their contacts. All contacts have a stiffness, or none has and nothing drives
+        bodies into each other: a solution exists.
         """
         own, turning = self._own(), self.inverse_inertias
         spin = turning[:, 0, 0]
         round_ = np.abs(turning - spin[:, None, None] * np.eye(3)).max(axis=(1, 2), initial=0) <= UNIT * np.abs(spin)
         still = (self.inverse_masses > 0) | (self.free_velocities[:, :3] == 0)
-        if not (round_.all() and still.all() and (self.free_velocities[spin == 0, 3:] == 0).all() and (self.bias >= 0).all()
-                and not self.compliance.any()):
+        sprung = (self.compliances[:, 0] > 0).all() and self.contacts > 0
+        rigid = not (self.compliances.any() or self.slip_bias.any()) and still.all() and (self.bias >= 0).all()
+        if not (round_.all() and (self.free_velocities[spin == 0, 3:] == 0).all() and (sprung or rigid)):
             return None
         arms = self.arms.reshape(-1, 2, 3)
         along = np.einsum("nki,ni->nk", arms, self.normals) * [1, -1]
@@ -125,7 +131,8 @@ class SpaceBodyProblem:
                 or (np.abs(own[:, 1] - own[:, 2]) > UNIT * own[:, 1]).any():
             return None
         return (np.hstack([self.inverse_masses, np.repeat(spin[:, None], 3, axis=1)]), self.free_velocities, self.pairs, self.normals,
-                np.where(turns, along, 0.0), self.bias, self.mu)
+                np.where(turns, along, 0.0), self.bias, self.mu, self.compliances,
+                np.einsum("nk,nkj->nj", self.slip_bias, np.stack(tangents(self.normals), axis=1)))
 
     def _inverse_mass(self):
         blocks = np.zeros((2 * len(self.inverse_masses), 3, 3))
@@ -135,8 +142,14 @@ class SpaceBodyProblem:
 
     def _own(self):
         """Return the diagonal of W without compliance, (n, 3)."""
-        H = self._directions()
-        return np.asarray((H.multiply(self._inverse_mass() @ H)).sum(axis=0)).reshape(-1, 3)
+        directions = np.stack([self.normals, *tangents(self.normals)], axis=1)
+        own = np.zeros((self.contacts, 3))
+        for k in (0, 1):
+            body = self.pairs[:, k]
+            turned = np.cross(self.arms[:, None, 3 * k:3 * k + 3], directions)
+            own += np.einsum("nj,nij->ni", self.inverse_masses[body], directions**2)
+            own += np.sum(turned @ self.inverse_inertias[body] * turned, axis=2)
+        return own
 
     def _directions(self):
         """Return H, (6N, 3n): a column holds the forces and torques on all bodies of a unit impulse along a normal or a tangent."""

@@ -26,6 +26,7 @@ struct alignas(64) PairLanes {
 		int32_t a, b;
 	};
 	double mu[lanes], reference[lanes];
+	double kn[lanes], kt[lanes]; // only if contacts have a stiffness
 	double scaleA[lanes], scaleB[lanes]; // 1/k of the bodies, for groups
 	double overlap[lanes], gap[lanes]; // as in Touch, and beyond the reference overlap [m]
 	double beyond[lanes]; // how far the gap is beyond `nearby` radii [m]; infinite: `a` is no disk, so nothing is known
@@ -38,11 +39,16 @@ struct alignas(64) PairEffects {
 	static constexpr int lanes = PairLanes::lanes;
 	double nx[lanes], ny[lanes];
 	double work[lanes]; // [J]
+	double stored[lanes], before[lanes], absorbed[lanes], dashpots[lanes]; // of springs (SpringEnergies), if there are any
 };
 struct RowSettings {
 	double dt, gapCorrection, allowedOverlap;
 	double pushedOut; // gap from which an overlap is pushed out, in radii
 	double onCone; // factor on mu p_n up to which a first guess is in the cone
+	// Of contacts with stiffness:
+	bool compliant;
+	double dampingRatio;
+	const Body* before; // the bodies before the step
 };
 
 template <class Space> struct GroupKernel {
@@ -76,11 +82,11 @@ template <class Space> struct GroupKernel {
 	void (*assemble)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes* pairs,
 	    ContactRow<Space>* rows, std::size_t count, const RowSettings& settings);
 	// What `count` impulses p do.
-	void (*effects)(const Place* places, const Mean* means, const ImpulseOf<Space>* p, std::size_t count, const PairLanes* pairs,
-	    PairEffects* effects, std::size_t groups);
-	// The contacts of eight pairs as a group. Returns the lanes, a bit each, where wnn would be 0.
+	void (*effects)(const Place* places, const Mean* means, const BodyVelocity<Space>* bodies, const Carried* carried, const ImpulseOf<Space>* p,
+	    std::size_t count, const PairLanes* pairs, PairEffects* effects, std::size_t groups, const RowSettings& settings);
+	// The contacts of eight pairs as a group, and its springs if they have a stiffness. Returns the lanes, a bit each, where wnn would be 0.
 	unsigned (*assembleGroup)(const Place* places, const BodyVelocity<Space>* bodies, const Carried* carried, const PairLanes& pairs,
-	    Group& group, const RowSettings& settings);
+	    Group& group, GroupSprings* springs, const RowSettings& settings);
 };
 
 // The kernels that this processor can run, the fastest first. The last one runs on any processor.

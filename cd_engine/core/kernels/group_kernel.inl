@@ -54,11 +54,12 @@ INLINE void split(const Vector& v, Quad* q)
 #endif
 }
 
-template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
+// quad(i): the four numbers of a body.
+template <class Get> INLINE Bodies gatherBy(const Get& quad, const int32_t* i)
 {
 	Quad r[LANES];
 	for (int lane = 0; lane < LANES; lane++)
-		r[lane] = body<size>(of, i[lane]);
+		r[lane] = quad(i[lane]);
 	for (int lane = 0; lane < LANES; lane += 4)
 		transpose(r + lane);
 	return { joined(r), joined(r + 1), joined(r + 2), joined(r + 3) };
@@ -80,11 +81,11 @@ template <class Put> INLINE void scatter(const Bodies& v, const Put& put)
 
 #else
 
-template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
+template <class Get> INLINE Bodies gatherBy(const Get& quad, const int32_t* i)
 {
 	Bodies v;
 	for (int lane = 0; lane < LANES; lane++) {
-		const Quad& one = body<size>(of, i[lane]);
+		const Quad one = quad(i[lane]);
 		v.vx[lane] = one[0];
 		v.vy[lane] = one[1];
 		v.spin[lane] = one[2];
@@ -106,6 +107,10 @@ INLINE void scatter(PackedBody* bodies, const int32_t* i, const Bodies& v)
 	scatter(v, [&](int lane, const Quad& q) { *reinterpret_cast<Quad*>(bodies + i[lane]) = q; });
 }
 
+template <int size = 1> INLINE Bodies gather(const void* of, const int32_t* i)
+{
+	return gatherBy([of](int32_t k) -> const Quad& { return body<size>(of, k); }, i);
+}
 INLINE Bodies gather(const PackedBody* bodies, const int32_t* i) { return gather<1>(bodies, i); }
 
 INLINE CentralContact<Vector> contactOf(const Group& g, int lane)

@@ -44,7 +44,7 @@ template <class Space> class ContactRows {
 		all().push_back(c);
 		count++;
 	}
-	bool compliant = false; // each contact has a stiffness, and no rows are postponed
+	bool compliant = false; // each contact has a stiffness
 
 	// Rows that stay keep their numbers.
 	void resize(std::size_t now)

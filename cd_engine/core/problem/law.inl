@@ -201,6 +201,8 @@ template <class N> LAW Components<N> solveLocal(const N& nn, const N& nt, const 
 	return { q.n < none ? n : none, q.n < none ? t : none };
 }
 
+#include "problem/springs.inl"
+
 #include "problem/law_in_space.inl"
 
 #undef LAW

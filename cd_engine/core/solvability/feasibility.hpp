@@ -22,7 +22,7 @@ template <class Space> bool isDriven(const BodyVelocity<Space>& b)
 template <class Space> bool surelySolvable(const ContactSystem<Space>&, Threads* = nullptr);
 // How fast boundaries and biases close contacts [m/s]: the fastest closing if all other bodies rest, or move along with the boundaries as one rigid
 // body, whichever is less. It is 0 for belts, drums and shaken boxes. freeVelocity: as in residual.hpp. Costs a few passes over the contacts.
-double closingOfBoundaries(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
+template <class Space> double closingOfBoundaries(const ContactSystem<Space>&, const std::vector<double>& freeVelocity);
 
 struct Feasibility {
 	bool possible = false; // velocities were found at which no contact closes faster than `least`
@@ -31,7 +31,7 @@ struct Feasibility {
 
 // Searches for such velocities, from those of the impulses in the system, with at most `products` products with J and its transpose. For a matrix
 // problem, velocities are W p + q for all p, whatever their signs.
-Feasibility feasibility(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity, double least, int products);
+template <class Space> Feasibility feasibility(const ContactSystem<Space>&, const std::vector<double>& freeVelocity, double least, int products);
 Feasibility feasibility(const DelassusSystem&, double least, int products);
 Feasibility feasibility(const ConeSystem&, double least, int products);
 

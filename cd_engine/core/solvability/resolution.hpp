@@ -30,7 +30,7 @@ struct Resolution {
 
 // Of the impulses in the system. Costs a pass over the contacts; for a matrix, a product with W. freeVelocity: as in residual.hpp; the bodies have
 // the velocities of the impulses.
-Resolution resolution(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
+template <class Space> Resolution resolution(const ContactSystem<Space>&, const std::vector<double>& freeVelocity);
 Resolution resolution(const DelassusSystem&);
 Resolution resolution(const ConeSystem&);
 
@@ -38,6 +38,6 @@ Resolution resolution(const ConeSystem&);
 constexpr double mostGrowth = 1e11;
 
 // The kinetic energy after the impulses over that before them; infinite if there was none. Where no boundary moves a body, more than 1 is wrong.
-double energyGain(const ContactSystem<Plane>&, const std::vector<double>& freeVelocity);
+template <class Space> double energyGain(const ContactSystem<Space>&, const std::vector<double>& freeVelocity);
 
 } // namespace cd

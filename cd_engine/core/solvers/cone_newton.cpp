@@ -4,7 +4,8 @@
 // factorization, of the contacts that carry something, finds the shares at once (of W with sigma, the rigid one is singular). A hundred sweeps first
 // tell which contacts these are. Where Newton's method stagnates, twice as many sweeps follow as before, then it begins anew.
 // The two ways of Newton's method, to move the centre and to hold it, are those of newton.cpp; cone_proximal.hpp is one of its problems.
-// "newton" makes one round of this, "auto" many.
+// "newton" makes one round of this, "auto" seven, and where these fail, seven again from the first guess, with sweeps in a random order. What has
+// several solutions, or nearly so, as blocks with much friction, is often solved from one start and not from another.
 #include "matrix/matrix.hpp"
 #include "newton/newton.hpp"
 #include "solvers/iterate.hpp"
@@ -19,6 +20,7 @@ namespace {
 
 	// As in cone_proximal.cpp: none is critical.
 	constexpr int sweepsAtStart = 100;
+	constexpr int rounds = 7; // from one start: some 10 000 sweeps
 	constexpr int factorizationsAtStart = 200; // limits of the first round; both double from round to round
 	constexpr double sigmaAtStart = 0.1, least = 1e-9, largest = 10;
 	constexpr double fall = 0.1, rise = 4; // factors on sigma, from one proximal problem to the next
@@ -126,10 +128,14 @@ namespace {
 		void operator()() { sweep.ahead(); }
 	};
 
-	SolverReport inTurn(ConeSystem& system, const SolverSettings& settings, int rounds)
+	// Whether more iterations may help.
+	bool unsolved(const SolverReport& report, const SolverSettings& settings)
 	{
-		if (settings.fixedIterations > 0 || system.contacts() > large)
-			return accelerated(system, settings);
+		return report.status != Status::converged && report.status != Status::diverged && report.iterations < settings.maxIterations;
+	}
+
+	SolverReport inTurn(ConeSystem& system, const SolverSettings& settings, int most)
+	{
 		ConeSweep sweep(system, settings.seed);
 		Momentum improve { { sweep } };
 		SolverReport all;
@@ -141,7 +147,7 @@ namespace {
 				report.iterations += all.iterations;
 				report.factorizations += all.factorizations;
 				all = report;
-				return all.status == Status::converged || all.status == Status::diverged || all.iterations >= settings.maxIterations;
+				return !unsolved(all, settings);
 			};
 			limit(sweeps);
 			if (add(Iteration<ConeSweep>(sweep, part).run(improve)))
@@ -152,7 +158,7 @@ namespace {
 					break;
 				factorizations *= 2;
 			}
-			if (round == rounds)
+			if (round == most)
 				break;
 			sweeps = std::max(sweepsAtStart, 2 * sweeps);
 		}
@@ -163,7 +169,34 @@ namespace {
 
 } // namespace
 
-SolverReport newton(ConeSystem& system, const SolverSettings& settings) { return inTurn(system, settings, 1); }
-SolverReport automatic(ConeSystem& system, const SolverSettings& settings) { return inTurn(system, settings, 12); }
+SolverReport newton(ConeSystem& system, const SolverSettings& settings)
+{
+	return settings.fixedIterations > 0 || system.contacts() > large ? accelerated(system, settings) : inTurn(system, settings, 1);
+}
+
+SolverReport automatic(ConeSystem& system, const SolverSettings& settings)
+{
+	if (settings.fixedIterations > 0 || system.contacts() > large)
+		return accelerated(system, settings);
+	const std::vector<Triple> guess = system.p;
+	SolverSettings part = settings;
+	SolverReport report = inTurn(system, part, rounds);
+	while (unsolved(report, settings)) {
+		const SolverReport before = report;
+		std::vector<Triple> best = guess;
+		std::swap(best, system.p);
+		part.seed++;
+		part.maxIterations = settings.maxIterations - before.iterations;
+		report = inTurn(system, part, rounds);
+		const SolverReport last = report;
+		if (before.error < report.error) {
+			system.p = best;
+			report = before;
+		}
+		report.iterations = before.iterations + last.iterations;
+		report.factorizations = before.factorizations + last.factorizations;
+	}
+	return report;
+}
 
 } // namespace cd

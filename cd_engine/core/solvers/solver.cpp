@@ -31,19 +31,19 @@ namespace {
 		return feasibility(s, least, products);
 	}
 
-	std::size_t contactsIn(const ContactSystem<Plane>& s) { return s.contacts.size(); }
+	template <class Space> std::size_t contactsIn(const ContactSystem<Space>& s) { return s.contacts.size(); }
 	template <class Matrix> std::size_t contactsIn(const Matrix& s) { return s.contacts(); }
 	// Products of a search where the velocities are resolved already: a small part of a step of a large problem.
 	template <class System> int mostProducts(const System& s) { return 20 + 20000 / (1 + static_cast<int>(contactsIn(s))); }
 
-	void clearImpulses(ContactSystem<Plane>& s)
+	template <class Space> void clearImpulses(ContactSystem<Space>& s)
 	{
 		s.contacts.make();
-		for (ContactRow<Plane>& c : s.contacts)
-			c.pn = c.pt = 0;
+		for (ContactRow<Space>& c : s.contacts)
+			setImpulse(c, ImpulseOf<Space> {});
 	}
 
-	void makeRows(ContactSystem<Plane>& s) { s.contacts.make(); }
+	template <class Space> void makeRows(ContactSystem<Space>& s) { s.contacts.make(); }
 	template <class Matrix> void makeRows(Matrix&) { }
 
 	template <class System> using Method = SolverReport (*)(System&, const SolverSettings&);
@@ -86,7 +86,7 @@ namespace {
 
 	// Whether impulses have more than doubled the energy of a scene in which nothing drives bodies. Impulses that balance each other may be so
 	// large that all velocities they cause are within the tolerance. Those of the first guess have been accepted before.
-	bool createEnergy(ContactSystem<Plane>& s, const Start& start, const SolverReport& report)
+	template <class Space> bool createEnergy(ContactSystem<Space>& s, const Start& start, const SolverReport& report)
 	{
 		if (s.contacts.compliant || report.status != Status::converged || !(energyGain(s, start.freeVelocity()) > 2))
 			return false;
@@ -95,10 +95,11 @@ namespace {
 	}
 
 	// Plain sweeps from zero impulses create none that balance each other.
-	void solveFromNothing(ContactSystem<Plane>& system, const Start& start, const SolverSettings& settings, SolverReport& report)
+	template <class Space>
+	void solveFromNothing(ContactSystem<Space>& system, const Start& start, const SolverSettings& settings, SolverReport& report)
 	{
 		clearImpulses(system);
-		report = goOn<ContactSystem<Plane>>(system, start, settings, report, nsgs);
+		report = goOn<ContactSystem<Space>>(system, start, settings, report, nsgs);
 		report.plain = true;
 		if (createEnergy(system, start, report)) {
 			report.status = Status::stagnated;
@@ -185,7 +186,7 @@ namespace {
 		if (!start.solvable) {
 			makeRows(system);
 			resolve<System>(system, start, part, report, method);
-		} else if constexpr (std::is_same_v<System, ContactSystem<Plane>>)
+		} else if constexpr (std::is_same_v<System, ContactSystem<Plane>> || std::is_same_v<System, ContactSystem<Space3>>)
 			if (createEnergy(system, start, report))
 				solveFromNothing(system, start, part, report);
 		return report;
@@ -196,12 +197,16 @@ namespace {
 		Solver<Plane> solver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
 		ConeSolver coneSolver = nullptr;
+		Solver<Space3> spaceSolver = nullptr;
 	};
+	template <Method<ContactSystem<Space3>> method> constexpr Solver<Space3> inSpace = solved<ContactSystem<Space3>, method>;
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs> },
-		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated> },
+		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs>, inSpace<nsgs> },
+		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated>,
+		    inSpace<accelerated> },
 		{ "newton", solved<ContactSystem<Plane>, newton>, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
-		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<DelassusSystem, automatic>, solved<ConeSystem, automatic>,
+		    inSpace<accelerated> },
 	};
 
 	const Entry& find(const std::string& method)
@@ -213,7 +218,8 @@ namespace {
 
 } // namespace
 
-Solver<Plane> findSolver(const std::string& method) { return find(method).solver; }
+template <> Solver<Plane> findSolver<Plane>(const std::string& method) { return find(method).solver; }
+template <> Solver<Space3> findSolver<Space3>(const std::string& method) { return find(method).spaceSolver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
 ConeSolver findConeSolver(const std::string& method) { return find(method).coneSolver; }
 

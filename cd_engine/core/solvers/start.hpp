@@ -17,29 +17,30 @@ namespace cd {
 
 class Start {
     public:
-	Start(ContactSystem<Plane>& s, Threads* t)
+	template <class Space>
+	Start(ContactSystem<Space>& s, Threads* t)
 	    : threads(t)
 	    , kept(s.memory)
 	{
-		velocities.resize(3 * s.bodies.size());
+		velocities.resize(Space::freedoms * s.bodies.size());
 		if (s.contacts.solvedBeside()) // else the source of postponed rows still knows the guess
 			s.contacts.make();
 		source = s.contacts.postponed();
 		std::atomic<bool> driven { false };
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++) {
-				std::memcpy(&velocities[3 * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
+				std::memcpy(&velocities[Space::freedoms * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
 				if (isDriven(s.bodies[i]))
 					driven = true;
 			}
 		});
-		impulses.resize(source ? 0 : 2 * s.contacts.size());
-		forRanges(threads, impulses.size() / 2, [&](std::size_t from, std::size_t to) { // postponed contacts push nothing
+		impulses.resize(source ? 0 : numbers<Space> * s.contacts.size());
+		forRanges(threads, impulses.size() / numbers<Space>, [&](std::size_t from, std::size_t to) { // postponed contacts push nothing
 			bool pushed = false;
 			for (std::size_t i = from; i < to; i++) {
-				const ContactRow<Plane>& c = s.contacts[i];
-				impulses[2 * i] = c.pn;
-				impulses[2 * i + 1] = c.pt;
+				const ContactRow<Space>& c = s.contacts[i];
+				const ImpulseOf<Space> p = impulseOf(c);
+				std::memcpy(&impulses[numbers<Space> * i], &p, sizeof p);
 				pushed = pushed || !(c.bias >= 0);
 			}
 			if (pushed)
@@ -63,25 +64,22 @@ class Start {
 	}
 
 	// Restores the free velocities. A method leaves the velocities of its impulses, but the next one needs the free ones.
-	void free(ContactSystem<Plane>& s) const
+	template <class Space> void free(ContactSystem<Space>& s) const
 	{
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++)
-				std::memcpy(s.bodies[i].v, &velocities[3 * i], sizeof s.bodies[i].v);
+				std::memcpy(s.bodies[i].v, &velocities[Space::freedoms * i], sizeof s.bodies[i].v);
 		});
 	}
 	void free(DelassusSystem&) const { } // it has no velocities
 	void free(ConeSystem&) const { }
 
-	void guess(ContactSystem<Plane>& s) const
+	template <class Space> void guess(ContactSystem<Space>& s) const
 	{
 		if (s.contacts.postponed())
 			return s.contacts.forgetSolution();
-		for (std::size_t i = 0; i < s.contacts.size(); i++) {
-			const auto [pn, pt] = guessOf(i);
-			s.contacts[i].pn = pn;
-			s.contacts[i].pt = pt;
-		}
+		for (std::size_t i = 0; i < s.contacts.size(); i++)
+			setImpulse(s.contacts[i], guessOf<Space>(i));
 	}
 	void guess(DelassusSystem& s) const { s.p = impulses; }
 	void guess(ConeSystem& s) const
@@ -90,16 +88,16 @@ class Start {
 			s.p[i / 3][i % 3] = impulses[i];
 	}
 
-	const std::vector<double>& freeVelocity() const { return velocities; } // three a body; none for a matrix
+	const std::vector<double>& freeVelocity() const { return velocities; } // the freedoms of each body; none for a matrix
 
 	// Of the guess: sqrt(sum W_nn |p|^2).
-	double weight(const ContactSystem<Plane>& s) const
+	template <class Space> double weight(const ContactSystem<Space>& s) const
 	{
 		const auto add = [&](std::size_t from, std::size_t to) {
 			double square = 0;
 			for (std::size_t i = from; i < to; i++) {
-				const auto [pn, pt] = guessOf(i);
-				square += s.contacts[i].wnn * (pn * pn + pt * pt);
+				const ImpulseOf<Space> p = guessOf<Space>(i);
+				square += s.contacts[i].wnn * dot(p, p);
 			}
 			return square;
 		};
@@ -122,18 +120,21 @@ class Start {
 	bool solvable = false; // surelySolvable()
 
     private:
-	std::array<double, 2> guessOf(std::size_t i) const
+	template <class Space> static constexpr std::size_t numbers = sizeof(ImpulseOf<Space>) / sizeof(double); // that an impulse has
+
+	template <class Space> ImpulseOf<Space> guessOf(std::size_t i) const
 	{
-		if (!source)
-			return { impulses[2 * i], impulses[2 * i + 1] };
-		const ContactRow<Plane> row = source->row(static_cast<int32_t>(i));
-		return { row.pn, row.pt };
+		if (source)
+			return impulseOf(static_cast<const RowSource<Space>*>(source)->row(static_cast<int32_t>(i)));
+		ImpulseOf<Space> p;
+		std::memcpy(&p, &impulses[numbers<Space> * i], sizeof p);
+		return p;
 	}
 
 	Threads* const threads;
-	const RowSource<Plane>* source = nullptr; // of the guess, while the rows were not made
+	const void* source = nullptr; // the RowSource of the guess, while the rows were not made
 	struct State {
-		std::vector<double> velocities, impulses; // three a body, none for a matrix; two a contact, three in space
+		std::vector<double> velocities, impulses; // the freedoms of a body, none for a matrix; what an impulse has
 	};
 	Borrowed<State> kept;
 	std::vector<double>&velocities = kept->velocities, &impulses = kept->impulses;

@@ -16,34 +16,26 @@ namespace {
 
 	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - onCone); }
 
-	// Energies of the springs of contacts, members of StepReport [J].
-	struct Springs {
-		double stored = 0, before = 0, absorbed = 0, dashpots = 0;
-
-		Springs operator+(const Springs& o) const
-		{
-			return { stored + o.stored, before + o.before, absorbed + o.absorbed, dashpots + o.dashpots };
-		}
-	};
+	using Energies = SpringEnergies<double>; // members of StepReport [J]
+	Energies operator+(const Energies& a, const Energies& b)
+	{
+		return { a.stored + b.stored, a.before + b.before, a.absorbed + b.absorbed, a.dashpots + b.dashpots };
+	}
 
 	struct Totals {
 		int loaded = 0, sliding = 0;
 		double dissipated = 0, work = 0; // [J]
-		Springs springs {};
+		Energies springs {};
 	};
 
-	// What the springs of a contact take in a step h. It obeys u + bias + C p = 0 but for its slip. Its dashpot has the share 1 - k h/(k h + c).
-	Springs springsOf(const ContactRow<Plane>& c, double kn, double h)
+	// Of the springs of a contact in a step h, from its row (ProblemBuilder::soften).
+	Energies energiesOf(const ContactRow<Plane>& c, const Components<double>& p, double kn, double h)
 	{
 		if (!(c.wnn > 0))
 			return {};
-		const double normal = c.bias + c.cn * c.pn, tangential = c.slipBias + c.ct * c.pt, resists = 1 / (h * c.cn);
-		const double dashpot = std::max(0., resists - kn * h), before = std::max(0., -c.bias * resists / kn);
-		const double overlap = (c.pn - dashpot * c.bias * resists / kn) / resists, held = c.ct > 0 ? c.slipBias / c.ct : 0;
-		if (!(c.pn > 0))
-			return { 0, 0.5 * kn * before * before + 0.5 * c.ct * held * held, 0, 0 };
-		return { 0.5 * kn * overlap * overlap + 0.5 * c.ct * c.pt * c.pt, 0.5 * kn * before * before + 0.5 * c.ct * held * held,
-			c.pn * normal + c.pt * tangential, h * dashpot * normal * normal };
+		const double resists = 1 / (h * c.cn), held = c.ct > 0 ? -c.slipBias / c.ct : 0;
+		const Springs<double> springs { kn, c.ct > 0 ? 1 / (c.ct * h * h) : 0, std::max(0., resists - kn * h), c.bias * resists / kn, held };
+		return cd::energiesOf(springs, p, h);
 	}
 
 	// Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
@@ -67,14 +59,22 @@ namespace {
 		return true;
 	}
 
-	// What the kernel finds for contacts of disks, for any contact.
-	void effectOf(const ContactRow<Plane>& c, const std::vector<Mean>& means, const Components<double>& p, PairEffects& e, std::size_t lane)
+	// What the kernel finds for contacts of disks, for any contact. kn: of its spring, 0 if it is rigid; h: the step.
+	void effectOf(const ContactRow<Plane>& c, const std::vector<Mean>& means, const Components<double>& p, double kn, double h, PairEffects& e,
+	    std::size_t lane)
 	{
 		// The impulse works on the mean of the relative velocities before and after. This is exact for the kinetic energy, M being constant.
 		const Components<double> u = relativeVelocity<false>(c, motionOf<Plane>(means[c.a].v), motionOf<Plane>(means[c.b].v));
 		e.nx[lane] = c.nx;
 		e.ny[lane] = c.ny;
 		e.work[lane] = dot(p, u);
+		if (!(kn > 0))
+			return;
+		const Energies energies = energiesOf(c, p, kn, h);
+		e.stored[lane] = energies.stored;
+		e.before[lane] = energies.before;
+		e.absorbed[lane] = energies.absorbed;
+		e.dashpots[lane] = energies.dashpots;
 	}
 
 	void add(Account<Plane>::Impulse& to, const Account<Plane>::Impulse& of)
@@ -128,6 +128,7 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 		const Pair* const pairs = world.pairs.data();
 		Carried* const carried = world.carried.data();
 		const bool anyAsleep = !sleepers.none();
+		const RowSettings settings = rowSettings(step);
 		const Stiffness* const stiffnesses = world.compliant() ? world.stiffnesses.data() : nullptr;
 		Totals sum { 0, 0, from > 0 ? 0 : report.dissipated };
 		const auto later = [pairOf, last = contacts.size() - 1](std::size_t i) { return pairOf[std::min(i, last)]; };
@@ -139,8 +140,10 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 			const Components<double>* const p = rows ? impulses : solution + from;
 			PairLanes lanes[groupsInBatch];
 			PairEffects effects[groupsInBatch];
-			const std::size_t groups = load<false>(step, count, lanes, [&](std::size_t k) { return pairOf[from + k]; });
-			groupKernel<Plane>().effects(step.motion.places().data(), means.data(), p, count, lanes, effects, groups);
+			const auto which = [&](std::size_t k) { return pairOf[from + k]; };
+			const std::size_t groups = stiffnesses ? load<true>(step, count, lanes, which) : load<false>(step, count, lanes, which);
+			groupKernel<Plane>().effects(
+			    step.motion.places().data(), means.data(), step.bodies.data(), carried, p, count, lanes, effects, groups, settings);
 			for (std::size_t k = 0; k < count; k++) {
 				const std::size_t i = from + k, l = k % PairLanes::lanes;
 				__builtin_prefetch(&carried[later(i + carriedAhead)], 1);
@@ -149,14 +152,15 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				Carried& was = carried[pairOf[i]];
 				PairEffects& e = effects[k / PairLanes::lanes];
 				const double pn = p[k].n, pt = p[k].t;
-				const Springs springs = stiffnesses ? springsOf(rows[i], stiffnesses[pairOf[i]].kn, dt) : Springs {};
-				sum.springs = sum.springs + Springs { 0, springs.before, 0, 0 };
+				if (builder.isSpecial(i))
+					effectOf(rows ? rows[i] : builder.specialRow(i), means, p[k], stiffnesses ? stiffnesses[pairOf[i]].kn : 0, dt,
+					    e, l);
+				if (stiffnesses)
+					sum.springs.before += e.before[l];
 				if (pn <= 0) {
 					release(pair, was, sleepers);
 					continue;
 				}
-				if (builder.isSpecial(i))
-					effectOf(rows ? rows[i] : builder.specialRow(i), means, p[k], e, l);
 				const double nx = e.nx[l], ny = e.ny[l];
 				if (!keeps(nx, ny, pn, pt, was, dt)) {
 					const double fn = pn * rate, ft = pt * rate;
@@ -176,9 +180,9 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				sum.dissipated -= e.work[l];
 				if (!stiffnesses)
 					continue;
-				sum.dissipated -= springs.absorbed; // p . s, with the slip s
+				sum.dissipated -= e.absorbed[l]; // p . s, with the slip s
 				sum.work += std::abs(e.work[l]);
-				sum.springs = sum.springs + Springs { asleep ? 0 : springs.stored, 0, springs.absorbed, springs.dashpots };
+				sum.springs = sum.springs + Energies { asleep ? 0 : e.stored[l], 0, e.absorbed[l], e.dashpots[l] };
 			}
 		}
 		return sum;
@@ -228,7 +232,7 @@ void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& ste
 			asleep->loaded += c.pn > 0;
 			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
 			if (world.compliant())
-				asleep->stored += springsOf(c, world.stiffnesses[pair].kn, step.dt()).stored;
+				asleep->stored += energiesOf(c, impulseOf(c), world.stiffnesses[pair].kn, step.dt()).stored;
 		}
 		if (asleep || c.pn > 0)
 			giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt,

@@ -4,20 +4,6 @@
 #include <cassert>
 
 namespace cd {
-namespace {
-
-	constexpr double pushedOut = 1e-9; // of a disk's radius: smaller overlaps are round-off and stay
-
-	// Factor on mu p_n up to which the tangential part of a first guess is in the cone: what is beyond only by the round-off of dt times force
-	// and back must not be cut, or it would be written anew step by step.
-	constexpr double onCone = 1 + 1e-9;
-
-	RowSettings rowSettings(const StepSettings<Plane>& s)
-	{
-		return { s.dt, s.gapCorrection, s.allowedOverlap, -std::max(pushedOut, s.allowedOverlap), onCone };
-	}
-
-} // namespace
 
 // The impulse that a contact has carried (the kernel repeats this, see RowSettings), within the present friction cone, since a guess within the
 // tolerance becomes the step's solution.
@@ -26,7 +12,7 @@ std::array<double, 2> ProblemBuilder<Plane>::guess(const StepView<Plane>& step, 
 	if (!step.settings.warmStart)
 		return { 0, 0 };
 	const auto [pn, pt] = step.world.carried[pair].impulse(step.dt());
-	return { pn, cutGuess<double>({ pn, pt }, step.world.pairs[pair].mu, onCone) };
+	return { pn, cutGuess<double>({ pn, pt }, step.world.pairs[pair].mu, insideCone) };
 }
 
 // The row of any pair. turned: the change of its gap by the rotation of its boundary.
@@ -59,20 +45,32 @@ ContactRow<Plane> ProblemBuilder<Plane>::makeRow(
 	return c;
 }
 
-// Gives a row the stiffness of its pair (contact_system.hpp). What friction holds is a spring whose force the contact has carried.
+// Gives a row the stiffness of its pair (contact_system.hpp; the kernel repeats this). What friction holds is a spring whose force the contact has
+// carried.
 void ProblemBuilder<Plane>::soften(
     const StepView<Plane>& step, const ContactFinder<Plane>& finder, std::size_t pair, double turned, ContactRow<Plane>& c)
 {
 	const auto [kn, kt] = step.world.stiffnesses[pair];
-	const double h = step.dt(),
-		     dashpot = step.settings.dampingRatio > 0 && c.wnn > 0 ? 2 * step.settings.dampingRatio * std::sqrt(kn / c.wnn) : 0;
-	const double resists = kn * h + dashpot;
-	c.bias = kn * (finder.gap(step.world, pair) + turned) / resists;
-	c.cn = 1 / (h * resists);
-	c.ct = kt > 0 ? 1 / (kt * h * h) : 0;
-	c.slipBias = -c.ct * step.world.carried[pair].impulse(h)[1];
-	if (!(kt > 0))
-		c.mu = c.pt = 0;
+	const double h = step.dt(), damping = step.settings.dampingRatio;
+	const double dashpot = damping > 0 && c.wnn > 0 ? 2 * damping * std::sqrt(kn / c.wnn) : 0;
+	const Springs<double> springs { kn, kt, dashpot, finder.gap(step.world, pair) + turned, step.world.carried[pair].impulse(h)[1] };
+	const Spring<double> yields = yieldOf(springs, h);
+	c.bias = biasOf(springs, h);
+	c.cn = yields.n;
+	c.ct = yields.t;
+	c.slipBias = yields.bias;
+	c.mu = kt > 0 ? c.mu : 0;
+	moveOn(step, kn, c);
+}
+
+// From the impulse that a contact with stiffness has carried to the first guess.
+void ProblemBuilder<Plane>::moveOn(const StepView<Plane>& step, double kn, ContactRow<Plane>& c)
+{
+	const double *const a = step.world.bodies[c.a].v, *const b = step.world.bodies[c.b].v;
+	const Components<double> u = relativeVelocity<false>(c, motionOf<Plane>(a), motionOf<Plane>(b));
+	const Components<double> guess = movedOn(impulseOf(c), u, kn, c.ct, step.dt());
+	c.pn = guess.n;
+	c.pt = c.mu > 0 ? cutGuess(guess, c.mu, insideCone) : 0;
 }
 
 void ProblemBuilder<Plane>::demandRebound(
@@ -98,18 +96,14 @@ void ProblemBuilder<Plane>::fillRows(
 		const std::size_t count = std::min(batch, to - from);
 		PairLanes pairs[groupsInBatch];
 		load<true>(step, count, pairs, [&](std::size_t k) { return pairOf[from + k]; });
-		groupKernel<Plane>().assemble(step.motion.places().data(), step.bodies.data(), step.world.carried.data(), pairs, rows + from, count,
-		    rowSettings(step.settings));
+		groupKernel<Plane>().assemble(
+		    step.motion.places().data(), step.bodies.data(), step.world.carried.data(), pairs, rows + from, count, rowSettings(step));
 		for (std::size_t i = from; i < from + count; i++) {
 			ContactRow<Plane>& c = rows[i];
 			double turned = 0;
 			specialOf[i] = c.wnn > 0 ? -1 : 0;
 			if (isSpecial(i))
 				c = makeRow(step, finder, pairOf[i], turned);
-			else if (step.world.compliant())
-				soften(step, finder, pairOf[i], 0, c);
-			else
-				c.cn = c.ct = c.slipBias = 0;
 			if (!step.settings.warmStart)
 				c.pn = c.pt = 0;
 			if (step.settings.restitution > 0)
@@ -165,6 +159,8 @@ void ProblemBuilder<Plane>::guessAgain(const StepView<Plane>& now, const Contact
 		const auto [pn, pt] = warm && i < found.foundFirst() ? guess(now, found.pairs()[i]) : std::array<double, 2> { 0, 0 };
 		system.contacts[i].pn = pn;
 		system.contacts[i].pt = pt;
+		if (now.world.compliant())
+			moveOn(now, now.world.stiffnesses[found.pairs()[i]].kn, system.contacts[i]);
 	}
 }
 
@@ -180,8 +176,8 @@ bool ProblemBuilder<Plane>::lowerRebounds(const StepView<Plane>& now, ContactSys
 	    && rebounds.lower(system, now.world.bodies, now.dt(), now.settings.solver.tolerance, unsolved || last);
 }
 
-// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether none of them has a negative bias and all
-// can be solved, as is so of all others.
+// The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether all can be solved
+// and, if they are rigid, none has a negative bias, as is so of all others.
 bool ProblemBuilder<Plane>::makeSpecials()
 {
 	if (!numbered) {
@@ -210,7 +206,7 @@ bool ProblemBuilder<Plane>::makeSpecials()
 		}
 		double turned;
 		specialRows[k] = makeRow(*step, *finder, pairAt(k), turned);
-		if (!(specialRows[k].wnn > 0) || !(specialRows[k].bias >= 0))
+		if (!(specialRows[k].wnn > 0) || !(specialRows[k].bias >= 0 || world.compliant()))
 			return false;
 	}
 	return true;
@@ -233,11 +229,12 @@ ContactRow<Plane> ProblemBuilder<Plane>::row(int32_t contact) const
 	return makeRow(*step, *finder, finder->pairs()[contact], turned);
 }
 
-void ProblemBuilder<Plane>::fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group<Plane>* groups, uint8_t* left) const
+void ProblemBuilder<Plane>::fill(
+    const int32_t* contacts, std::size_t count, const double* inverseRadius, Group<Plane>* groups, GroupSprings<Plane>* springs, uint8_t* left) const
 {
 	const World& world = step->world;
 	PairLanes pairs[groupsInBatch];
-	const RowSettings settings = rowSettings(step->settings);
+	const RowSettings settings = rowSettings(*step);
 	for (std::size_t from = 0; from < count; from += groupsInBatch, contacts += batch) {
 		const std::size_t here = std::min(groupsInBatch, count - from);
 		const auto which = [&](std::size_t k) { return finder->pairs()[std::max(contacts[k], 0)]; };
@@ -248,8 +245,8 @@ void ProblemBuilder<Plane>::fill(const int32_t* contacts, std::size_t count, con
 			}
 		load<true>(*step, here * PairLanes::lanes, pairs, which, inverseRadius);
 		for (std::size_t k = 0; k < here; k++) {
-			unsigned unknown = groupKernel<Plane>().assembleGroup(
-			    step->motion.places().data(), step->bodies.data(), world.carried.data(), pairs[k], groups[from + k], settings);
+			unsigned unknown = groupKernel<Plane>().assembleGroup(step->motion.places().data(), step->bodies.data(), world.carried.data(),
+			    pairs[k], groups[from + k], springs ? springs + from + k : nullptr, settings);
 			for (std::size_t lane = 0; lane < PairLanes::lanes; lane++)
 				unknown |= static_cast<unsigned>(contacts[k * PairLanes::lanes + lane] < 0) << lane;
 			left[from + k] = static_cast<uint8_t>(unknown);

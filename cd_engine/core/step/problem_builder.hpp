@@ -38,12 +38,14 @@ template <> class ProblemBuilder<Plane> : GroupSource<Plane> {
 	void fillRows(const StepView<Plane>&, const ContactFinder<Plane>&, ContactRow<Plane>* all, std::size_t from, std::size_t to);
 	void fillAll(ContactRow<Plane>*, std::size_t count);
 	static void soften(const StepView<Plane>&, const ContactFinder<Plane>&, std::size_t pair, double turned, ContactRow<Plane>&);
+	static void moveOn(const StepView<Plane>&, double kn, ContactRow<Plane>&);
 	void demandRebound(const StepView<Plane>&, const ContactFinder<Plane>&, std::size_t contact, ContactRow<Plane>&, double turned);
 	bool makeSpecials();
 
 	void makeRows(std::vector<ContactRow<Plane>>&) override;
 	ContactRow<Plane> row(int32_t contact) const override;
-	void fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group<Plane>* groups, uint8_t* left) const override;
+	void fill(const int32_t* contacts, std::size_t count, const double* inverseRadius, Group<Plane>* groups, GroupSprings<Plane>* springs,
+	    uint8_t* left) const override;
 
 	// Of each contact: its place in `specials`, or 0 while they are not numbered; -1: it is none.
 	std::vector<int32_t> specialOf;

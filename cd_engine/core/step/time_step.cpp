@@ -20,7 +20,7 @@ template <class Space> void TimeStep<Space>::prepare(World& world, const StepVie
 	const auto start = motion.begin(world, s.dt, system, threads);
 	const bool same = finder.find(world, step, motion, start);
 	// Rows that push need a proof that there is a solution (feasibility.hpp), which reads all of them.
-	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0 || world.compliant();
+	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0;
 	system.contacts.compliant = world.compliant();
 	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none());
 }
@@ -126,7 +126,7 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 	while (!attempt(world, step, report)) { }
 	if (report.solver.status != Status::diverged && report.outran.empty()) { // else nothing is changed
 		if (const int32_t i = report.solver.contact; i >= 0)
-			report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
+			report.unsolvable = { world.pairs[finder.pairs()[i]].a, world.pairs[finder.pairs()[i]].b };
 		report.contacts = static_cast<int>(finder.pairs().size());
 		report.maxPenetration = finder.deepest();
 		report.dissipated += report.effort.stopped;
@@ -151,9 +151,10 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 template <class Space> void TimeStep<Space>::locateBack(const World& world, double dt)
 {
 	motion.placeBack(world, dt);
-	finder.locateAll(world, motion.places());
+	finder.locateAll(world, motion);
 }
 
 template class TimeStep<Plane>;
+template class TimeStep<Space3>;
 
 } // namespace cd

@@ -77,7 +77,7 @@ template <class Space> bool PackedContacts<Space>::fillGroups(const Range& which
 		const std::size_t count = std::min(batch, which.to - from);
 		const int32_t* const member = &grouping.members[from * Group::lanes];
 		if (step)
-			step->fill(member, count, bodies.inverseRadii.data(), &groups[from], left);
+			step->fill(member, count, bodies.inverseRadii.data(), &groups[from], springs.empty() ? nullptr : &springs[from], left);
 		for (std::size_t k = 0; k < count; k++)
 			for (unsigned lanes = left[k]; lanes != 0; lanes &= lanes - 1) {
 				const int lane = __builtin_ctz(lanes);

@@ -30,7 +30,7 @@ from yade_scripts.running import queue
 def main(arguments=None):
     parser = commands.parser(__doc__, prog="python3 -m yade_scripts.measuring.benchmark")
     parser.add_argument("files", nargs="*", metavar="FILE", help="problems to measure, too (FCLIB, Siconos's text, or of bodies)")
-    commands.add_extent(parser, "a first version, a minute", "the real one, hours; it can be stopped and started again")
+    commands.add_extent(parser, "a first version, some two minutes", "the real one, hours; it can be stopped and started again")
     commands.add(parser, "--results")
     parser.add_argument("--again", action="store_true", help="measure again what was measured with this build")
     parser.add_argument("--table", choices=pieces.MEASURE, help="measure this table only and leave the others as they are")

@@ -19,6 +19,7 @@ BOTH = ("cold", "warm")
 MEASURE = {
     "solutions": lambda folder, problem, **how: solutions.measure(problems.case(folder, **problem), **how),
     "space": lambda folder, problem, **how: space.measure(problems.case(folder, **problem), **how),
+    "spheres": lambda folder, problem, **how: solutions.measure(problems.case(folder, **problem), **how),
     "sweeps": sweeps.measure,
     "step": lambda folder, **settings: [problems.in_yade("step", settings)],
     "threads": lambda folder, **settings: problems.in_yade("threads", settings),
@@ -76,6 +77,14 @@ def _packings(disks, seed, start):
     return product(kind="packing", disks=disks, seed=seed, mu=problems.FRICTION, start=start)
 
 
+def _spheres(bodies, **how):
+    """Return pieces of solutions.py for packings of spheres: cold to all targets, warm to one."""
+    how = {"rounds": 2, "most_seconds": 5.0, "peer": siconos.available() is None} | how
+    pieces = product(kind="spheres", bodies=bodies, seed=1, mu=problems.FRICTION_IN_SPACE, start=BOTH)
+    return [Piece("spheres", {"problem": problem} | how | {"targets": (1e-4,) if problem["start"] == "warm" else (1e-4, 1e-6, 1e-8)})
+            for problem in pieces]
+
+
 def _of_files(files):
     # The settings contain a hash of the file, so that a changed file is measured anew.
     return [{"kind": "file", "path": str(path), "sha256": hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()} for path in files]
@@ -86,10 +95,11 @@ def _plane(files):
 
 
 def quick(files):
-    """Return the pieces of a benchmark of one minute: one small packing, a row or two in each table."""
+    """Return the pieces of a benchmark of two minutes: small packings, a row or two in each table."""
     peer = siconos.available() is None
     return (_solve(_packings(400, 1, BOTH), product(kind="crystal", rows=10, mu=0.8), _plane(files), targets=(1e-2, 1e-4, 1e-6), most_seconds=2.0)
             + _space(product(kind="space", shape=("spheres", "boxes"), bodies=20, mu=0.5), files=files, rounds=2, most_seconds=1.0)
+            + _spheres(4000, rounds=1, most_seconds=2.0, peer_seconds=5.0)
             + _pieces("sweeps", product(disks=400, copies=(1, 10), rounds=3, peer=peer))
             + _pieces("step", product(rows=20, columns=20, tolerance=1e-4, steps=100, order="built"))
             + _pieces("threads", product(rows=20, columns=20, tolerance=1e-4, steps=100)))
@@ -107,6 +117,7 @@ def full(files):
             + _solve(_plane(files), **longer)
             + _space(product(kind="space", shape=tuple(space_scenes.POINTS), bodies=(20, 60), mu=(0.1, 0.5), ratio=(1.0, 1e3)), files=files,
                      most_seconds=10.0)
+            + _spheres(4000, most_seconds=30.0, peer_seconds=60.0) + _spheres(40000, most_seconds=60.0, peer_seconds=120.0)
             + _pieces("sweeps", product(disks=400, copies=1, rounds=5, peer=peer), product(disks=4000, copies=(1, 10), rounds=5, peer=peer),
                       product(disks=4000, copies=200, rounds=3, peer=peer))
             + _pieces("step", *(product(**step, columns=columns, steps=steps, tolerance=(1e-4, 1e-6))

@@ -9,12 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cd_engine import core
-from yade_scripts.measuring.benchmark import space_scenes
+from cd_engine.core.files.problem import replaced
+from yade_scripts.measuring.benchmark import space_scenes, spheres
 from yade_scripts.running import locks, queue
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 PACKING_RECIPE = 2  # raised when packing.py or jammed.py changes its procedure, so that older files are not used
+SPHERES_RECIPE = 1  # the same for spheres.py
 FRICTION = 0.1, 0.5
+FRICTION_IN_SPACE = 0.1, spheres.PREPARED, 0.5
 SIDE = 0.01         # radius of a lattice's disks [m]
 
 
@@ -22,9 +25,9 @@ SIDE = 0.01         # radius of a lattice's disks [m]
 class Case:
     """A contact problem and its first guess."""
     name: str
-    kind: str      # packing, crystal, masses, pile, file, space
+    kind: str      # packing, crystal, masses, pile, file, space, spheres
     mu: float      # nan for a problem from a file, whose contacts may differ in mu
-    disks: int     # 0 for a problem from a file
+    disks: int     # or other bodies; 0 for a problem from a file
     seed: int
     start: str     # first guess; cold: zero, warm: the impulses of the step before
     problem: object
@@ -59,7 +62,7 @@ def in_yade(module, settings):
 def case(folder, kind, **settings):
     """Return the Case of a kind: what the function of that name below makes of the settings."""
     kinds = {"packing": functools.partial(packing, folder), "masses": functools.partial(masses, folder), "crystal": crystal, "file": from_file,
-             "space": space}
+             "space": space, "spheres": functools.partial(packing_in_space, folder)}
     return kinds[kind](**settings)
 
 
@@ -67,6 +70,21 @@ def packing(folder, disks, seed, mu, start="cold"):
     """Return the Case of a step that loads a dense packing by 0.2 % more (packing.py)."""
     stem = state(folder, disks, seed, mu)
     return Case(f"packing {disks} mu {mu:g} {start} #{seed}", "packing", mu, disks, seed, start, core.read_problem(f"{stem}.npz"))
+
+
+def packing_in_space(folder, bodies, seed, mu, start="cold"):
+    """Return the Case of a step that loads a packing of spheres by 0.2 % more (spheres.py). All frictions share one packing."""
+    stem = pathlib.Path(folder) / f"spheres{SPHERES_RECIPE}-{bodies}-{seed}"
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    packed, path = (stem.with_name(f"{stem.name}-{name}.npz") for name in ("packed", f"{mu:g}"))
+    with locks.held(stem):
+        if not packed.exists():
+            with replaced(packed) as aside, open(aside, "wb") as file:
+                np.savez(file, *spheres.packing(bodies, seed))
+        if not path.exists():
+            with np.load(packed) as arrays:
+                core.write_problem(path, spheres.problem([arrays[name] for name in arrays.files], mu))
+    return Case(f"{bodies} packed spheres mu {mu:g} {start}", "spheres", mu, bodies, seed, start, core.read_problem(path))
 
 
 def masses(folder, disks, seed, mu):

@@ -1,4 +1,4 @@
-"""Runs Siconos's Gauss-Seidel, fc2d_nsgs, on the same W, q and mu.
+"""Runs Siconos's Gauss-Seidel, fc2d_nsgs or in space fc3d_nsgs, on the same W, q and mu.
 
 It gets W in sparse blocks, its fastest storage here. It keeps no state between calls, so it can be stopped every few sweeps and
 continues with the same bits. Only its sweeps are timed, without its own stopping test (which uses another measure than e); our code
@@ -13,8 +13,9 @@ import numpy as np
 
 from cd_engine import core
 
-GROWTH = 1.05  # growth of the sweeps between two checks of the error; the time to a target is interpolated
+GROWTH = {2: 1.05, 3: 1.2}  # of the sweeps between two checks of the error, by dimension; the time to a target is interpolated
 FEWEST = 4
+LOCAL = "ONECONTACT_NSN_GP_HYBRID"  # its solver of one contact in space, the usual choice of NSGS
 
 Point = namedtuple("Point", "sweeps seconds residual residual_max")  # how far a solution has come: e as 2-norm and as maximum
 
@@ -49,6 +50,8 @@ class Peer:
         import siconos.numerics as numerics
         self.numerics, self.problem = numerics, problem
         self.matrix = problem if isinstance(problem, core.Problem) else problem.delassus()
+        if self.matrix.dimension == 3:
+            self.problem = self.matrix  # its error costs less
         self.contacts = self.matrix.contacts
         # Through a file: Siconos's conversion in memory needs space for the square of the number of contacts.
         with tempfile.NamedTemporaryFile("w", suffix=".dat") as file:
@@ -57,14 +60,16 @@ class Peer:
 
     def sweeps(self, impulses, count):
         """Make `count` sweeps from `impulses`, in place. Return their processor time [s]."""
-        n = self.numerics
-        options = n.SolverOptions(n.SICONOS_FRICTION_2D_NSGS)
+        n, plane = self.numerics, self.matrix.dimension == 2
+        options = n.SolverOptions(n.SICONOS_FRICTION_2D_NSGS if plane else n.SICONOS_FRICTION_3D_NSGS)
+        if not plane:
+            n.solver_options_update_internal(options, 0, getattr(n, f"SICONOS_FRICTION_3D_{LOCAL}"))
         options.iparam[n.SICONOS_IPARAM_MAX_ITER] = count
         options.iparam[n.SICONOS_FRICTION_3D_IPARAM_ERROR_EVALUATION] = n.SICONOS_FRICTION_3D_NSGS_ERROR_EVALUATION_ADAPTIVE
         options.dparam[n.SICONOS_DPARAM_TOL] = 1e-300
         velocities = np.zeros_like(impulses)
         begin = time.process_time()
-        n.fc2d_driver(self.theirs, impulses, velocities, options)
+        (n.fc2d_driver if plane else n.fc3d_driver)(self.theirs, impulses, velocities, options)
         return time.process_time() - begin
 
     def history(self, impulses, target, most_seconds):
@@ -75,7 +80,7 @@ class Peer:
             points.append(Point(made, seconds, core.residual(self.problem, p), core.residual_max(self.problem, p)))
             if not points[-1].residual > target or seconds >= most_seconds:
                 return points
-            count = max(FEWEST, int(made * (GROWTH - 1)))
+            count = max(FEWEST, int(made * (GROWTH[self.matrix.dimension] - 1)))
             seconds += self.sweeps(p, count)
             made += count
 

@@ -23,7 +23,8 @@ def measure(case, rounds=3, targets=TARGETS, most_seconds=5.0, peer=True, peer_s
     """Return the rows of a case.
 
     most_seconds: time of the sweeps after which a run is left unsolved; a target that takes more than a tenth of it is run in one round only.
-    peer_seconds: the same for Siconos, whose sweeps cost fifty to sixty times as much.
+    peer_seconds: the same for Siconos, whose sweeps cost fifty to sixty times as much. Where it does not meet a target in this time, the row says
+    how far it came.
     """
     methods = [method for method in core.methods() if method != "newton" or case.disks <= NEWTON_DISKS]
     runs, missed = {(method, target): [] for method in methods for target in targets}, {}

@@ -88,8 +88,13 @@ def series(scene):
           for solver in parameters.REGISTRY["method_cd"].choices),
         Series("CD accuracy", "CD", store.ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * own_step}),
         Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
+        *(Series(f"CD springs {name}", "CD", parameter, values, {"cd_contacts": "springs"}, costlier=False) for name, parameter, values in (
+            ("step", "cd_dt", tuple(own_step * 2.0**k for k in range(4, -5, -1))), ("tolerance", "tolerance", (1.0, 1e-1, 1e-2, 1e-3)),
+            ("stiffness", "stiffening", stiffer))),
     ]
-    return [one for one in found if one.method in scenes.module(scene).METHODS and one.parameter not in chart.physics]
+    soft = parameters.defaults(scene)["cd_contacts"] == "springs"  # no rigid contacts there
+    return [one for one in found if one.method in scenes.module(scene).METHODS and one.parameter not in chart.physics
+            and not (soft and one.method == "CD" and not one.fixed.get("cd_contacts"))]
 
 
 def settings(scene, full):
@@ -124,10 +129,12 @@ def status(known):
 class Work:
     """All measurements of one scene, for the runner and for the process that measures."""
 
-    def __init__(self, scene, full, results):
+    def __init__(self, scene, full, results, series=""):
+        """series: beginning of the names of the series to measure."""
         self.name, self.folder = scene, results / FOLDER
         self.limit = LIMIT[full] * chart_of(scene).patience
-        self.settings = settings(scene, full)  # several series may hold one row, such as the scene's defaults: it is measured once
+        # Several series may hold one row, such as the scene's defaults: it is measured once.
+        self.settings = [one for one in settings(scene, full) if one.series.name.startswith(series)]
 
     def left(self):
         """Return the settings without a measurement, or with one that ran out of a shorter time limit; of those with one name only the first."""

@@ -1,0 +1,87 @@
+"""The limits of load cycles, computed from the packing alone, beside what springs and rigid grains do below and above each."""
+import numpy as np
+import pandas
+
+from analysis import cycles, limits, slip, style, summary
+from analysis.style import plt
+from yade_scripts.tables import product
+
+TITLE = "Is there a load below which slip stops, and can it be computed?"
+QUESTION = ("Limits of the load from linear programmes (python3 -m analysis limits), beside MD's springs, the same springs in the solver of Contact"
+            " Dynamics, and rigid contacts, at loads from far below the first limit to above the last.")
+ORDER = 3.2  # in the report
+CYCLES = 20
+LOADING = dict(loading="cosine", records_per_cycle=20, wall_mass_ratio=1.0, cycles=CYCLES)
+# Slow for springs of k_n (study influence), at 200 steps a half cycle. MD has the cycles and the step of Fig. 3, which make it affordable.
+SPRINGS = dict(method="CD", cd_contacts="springs", cd_dt=5e-3, period=2.0, **LOADING)
+RIGID = dict(method="CD", cd_dt=5e-3, period=2.0, tolerance=1e-8, **LOADING)
+MD = dict(method="MD", md_dt_factor=0.3, md_walls="force", period=0.5, **LOADING)
+LOADS = {"constant": (0.0002, 0.0005, 0.002, 0.01, 0.03, 0.1, 0.2, 0.4, 0.6), "mean": (0.0002, 0.0005, 0.002, 0.01, 0.03, 0.1, 0.2, 0.3)}
+KINDS = {"MD": "springs (MD)", "springs": "springs (CD)", "rigid": "rigid contacts (CD)"}
+LIMITS = ("alternating", "shakedown", "static")
+
+
+def _rows(seeds, setting, loads=LOADS, **others):
+    return [row for path, several in loads.items() for row in product(stress_path=path, delta_sigma=several, seed=seeds, **others, **setting)]
+
+
+ROWS = {"quick": _rows((1,), SPRINGS, {"constant": (0.002, 0.1)}) + _rows((1,), RIGID, {"constant": (0.1,)}),
+        "full": _rows(range(1, 6), SPRINGS) + _rows(range(1, 4), SPRINGS, preparation_friction=0.1)
+        + _rows(range(1, 6), RIGID, {path: loads[5:] for path, loads in LOADS.items()})
+        + _rows((1, 2), MD)}
+
+
+def kind(run):
+    """Return a key of KINDS."""
+    return "MD" if run.method == "MD" else "springs" if run.parameters["cd_contacts"] == "springs" else "rigid"
+
+
+@summary.each
+def summarize(run):
+    """Return the row of a run: the limits of its packing as dSigma, how far a contact slips, on average, in the first and the last unloading [mean
+    radii], and the strain of the first cycle and a cycle in the second half of them."""
+    found, own = cycles.of(run), limits.of_cycles(run)
+    row = {"medium": kind(run)} | summary.columns(run, "stress path", "preparation friction", "dSigma", "seed", "collapses after")
+    row |= {name: getattr(own, name) for name in ("first_slip", "alternating", "shakedown", "ratchet", "opening", "static")}
+    stands = len(found.number) == run.parameters["cycles"]
+    first, last = (slip.over(run, [pair])[0] for pair in (run.snapshots[1:3], run.snapshots[-2:])) if stands else (np.nan, np.nan)
+    row |= {"slip, first unloading": first, "slip, last unloading": last}
+    return row | summary.columns(run, "first cycle", "late rate", "unsolved steps")
+
+
+COLOUR = {"MD": style.COLOUR["MD"], "springs": style.GREEN, "rigid": style.COLOUR["CD"]}
+MARKER = {"MD": "o", "springs": "s", "rigid": "D"}
+
+
+def draw(runs, rows, path):
+    """Draw slip and strain of late cycles against the load over each of three limits."""
+    fig, axes = plt.subplots(2, 3, figsize=(12, 7), sharey="row", sharex="col")
+    table = pandas.DataFrame(rows)
+    stands = table["collapses after"].isna()
+    for column, limit in zip(axes.T, LIMITS):
+        for axis, name in zip(column, ("slip, last unloading", "late rate")):
+            for medium, own in table[stands].groupby("medium"):
+                for friction, part in own.groupby("preparation friction"):
+                    axis.plot(part.dSigma / part[limit], part[name].abs(), ls="", marker=MARKER[medium], ms=2.5 if friction else 5,
+                              mfc="none" if medium == "MD" else COLOUR[medium], color=COLOUR[medium], label=None if friction else KINDS[medium])
+            top = table.loc[stands, name].abs().max()
+            for medium, own in table[~stands].groupby("medium"):
+                axis.plot(own.dSigma / own[limit], np.full(len(own), 3 * top), "x", ms=5, color=COLOUR[medium])
+            axis.axvline(1, color="k", lw=0.7, ls=":")
+            axis.set(xscale="log", yscale="log")
+        column[1].set_xlabel(rf"$\Delta\sigma$ over the {limit} limit")
+    axes[0, 0].set_ylabel("slip of a contact in the last unloading / R")
+    axes[1, 0].set_ylabel(r"$|\Delta\gamma|$ a cycle, late cycles")
+    axes[0, 0].legend(fontsize=7)
+    style.finish(fig, path, f"A point a run of {CYCLES} cycles; small: loose packings; a cross at the top: a collapse. Late: the second half of the "
+                 "cycles.", runs)
+
+
+def quantities(table):
+    stands = table[table["collapses after"].isna()]
+    springs, rigid = (stands[stands.medium.isin(media)] for media in (("MD", "springs"), ("rigid",)))
+    below, between = springs[springs.dSigma < springs.alternating], springs[(springs.dSigma > springs.alternating) & (springs.dSigma < springs.static)]
+    packings = table.drop_duplicates(["stress path", "preparation friction", "seed"])
+    return {"dense": packings[packings["preparation friction"] == 0], "loose": packings[packings["preparation friction"] > 0],
+            "springs": springs, "rigid": rigid, "below": below, "between": between,
+            "melan": between[between.dSigma < between.shakedown], "above": between[between.dSigma > between.ratchet]}
