@@ -24,6 +24,17 @@ template <class Space> void SceneLink<Space>::warnOnce(const std::string& what, 
 		std::cerr << "ContactDynamics: " << what << " " << remedy << '\n';
 }
 
+template <class Space> double SceneLink<Space>::massRatio() const
+{
+	double least = cd::endless, most = 0; // inverse masses
+	for (const auto& b : world.bodies)
+		if (const double inverse = *std::max_element(b.inverseMass, b.inverseMass + Space::components); inverse > 0) {
+			least = std::min(least, inverse);
+			most = std::max(most, inverse);
+		}
+	return most > 0 ? most / least : 1;
+}
+
 template <class Space> void SceneLink<Space>::checkScene(yade::Scene* scene, double dt)
 {
 	if (scene_isPeriodic(scene))
@@ -342,11 +353,17 @@ template <class Space> cd::Stiffness SceneLink<Space>::stiffnessOf(const cd::Pai
 // Wakes all islands if a stiffness has changed.
 template <class Space> void SceneLink<Space>::setStiffness(Sleepers& sleepers)
 {
+	constexpr double least = 1e-100; // 1/(k h^2) has to be a number
 	const std::size_t count = stiffness.rigid() ? 0 : world.pairs.size();
 	bool changed = world.stiffnesses.size() != count;
+	world.springs = !stiffness.rigid();
 	world.stiffnesses.resize(count);
 	for (std::size_t i = 0; i < count; i++) {
 		const cd::Stiffness now = stiffnessOf(world.pairs[i]);
+		if (!(now.kn > least && std::isfinite(now.kn) && (now.kt == 0 || now.kt > least)))
+			throw SceneError(text("ContactDynamics: the contact of bodies #", world.pairs[i].a, " and #", world.pairs[i].b,
+			    " has k_n = ", now.kn, " and k_t = ", now.kt, " N/m. Give ", stiffness.ofMaterials ? "materials a young" : "a stiffness",
+			    " from which finite ones above ", least, " N/m follow"));
 		changed = changed || now.kn != world.stiffnesses[i].kn || now.kt != world.stiffnesses[i].kt;
 		world.stiffnesses[i] = now;
 	}

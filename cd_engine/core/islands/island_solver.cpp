@@ -216,6 +216,7 @@ SolverReport IslandSolver<Space>::conclude(ContactSystem& system, SolverReport r
 		all.push_back(sums[k]);
 		work += sums[k].squareEnergy;
 	}
+	const double awake = residual(all.data(), all.size()).error(); // what sleeps was proven to a tolerance of its own
 	static const std::vector<SleepingIsland> none;
 	const std::vector<SleepingIsland>& on = stillness ? stillness->sleepers.islands() : none;
 	std::merge(on.begin(), on.end(), found.begin(), found.end(), std::back_inserter(all));
@@ -226,7 +227,7 @@ SolverReport IslandSolver<Space>::conclude(ContactSystem& system, SolverReport r
 	report.work = work;
 	if (std::isnan(report.error) && (report.contact < 0 || report.status == Status::converged))
 		report.status = Status::diverged;
-	else if (report.status == Status::converged && report.error > (1 + onTheEdge) * tolerance)
+	else if (report.status == Status::converged && awake > (1 + onTheEdge) * tolerance)
 		report.status = Status::stagnated;
 	return report;
 }

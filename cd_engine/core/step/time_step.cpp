@@ -120,7 +120,8 @@ template <class Space> bool TimeStep<Space>::attempt(World& world, const StepVie
 
 template <class Space> StepReport TimeStep<Space>::operator()(World& world, const StepSettings& settings)
 {
-	assert(!world.compliant() || (world.stiffnesses.size() == world.pairs.size() && settings.restitution == 0 && settings.dampingRatio >= 0));
+	assert(world.stiffnesses.size() == (world.compliant() ? world.pairs.size() : 0));
+	assert(!world.compliant() || (settings.restitution == 0 && settings.dampingRatio >= 0));
 	assert(settings.solve && settings.dt > 0 && settings.restitution >= 0 && settings.restitution <= 1 && settings.gapCorrection >= 0);
 	StepReport report;
 	threads.use(settings.threads);
