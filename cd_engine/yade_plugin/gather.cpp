@@ -457,6 +457,7 @@ template <class Space> void SceneLink<Space>::inspectScene(yade::Scene* scene, c
 
 #define INSTANTIATE(Space)                                                                                                                           \
 	template void SceneLink<Space>::warnOnce(const std::string&, const std::string&);                                                            \
+	template double SceneLink<Space>::massRatio() const;                                                                                         \
 	template bool SceneLink<Space>::setValues(const PairValues&);                                                                                \
 	template void SceneLink<Space>::forget(yade::Interaction*) const;                                                                            \
 	template void SceneLink<Space>::turn(std::size_t) const;                                                                                     \
