@@ -251,6 +251,22 @@ def test_a_planar_scene_that_gains_a_free_sphere_goes_over_to_space(O, capfd):
     assert O.bodies[free].state.pos[2] > 0.05 and O.bodies[disk].state.pos[2] == 0
 
 
+@pytest.mark.parametrize("blocked", ["X", "xYZ", "XY", "xXZ"])
+def test_spheres_with_blocked_freedoms_slide_against_coulomb_friction(O, blocked):
+    """A single step of a sphere that slides: its impulse is mu m g dt against the velocity of the contact, whatever it cannot do."""
+    mat, radius, dt = material(0.2), 0.1, 1e-3
+    O.bodies.append(utils.wall(0, axis=2, material=mat))
+    ball((5, 5, 5), radius, mat)  # so that the scene is in space
+    state = O.bodies[ball((0, 0, radius), radius, mat, velocity=(0 if "x" in blocked else 1, 0.5, 0))].state
+    state.blockedDOFs = blocked
+    before = vector(state.vel)
+    run(1, dt)
+    now, spin = vector(state.vel), vector(state.angVel)
+    slip = now + np.cross(spin, (0, 0, -radius))
+    allowed = [letter not in blocked for letter in "xy"] + [False]
+    assert now - before == pytest.approx(-0.2 * G * dt * slip / np.linalg.norm(slip) * allowed, abs=1e-12)
+
+
 def test_a_loaded_plate_carries_what_presses_it_and_needs_no_message(O, capfd):
     """A planar scene may have a plate that moves along z, too, but here nothing is kept in a plane."""
     mat = material()
