@@ -169,16 +169,16 @@ void ContactDynamics::chooseSpace()
 	const SceneLink<cd::Plane>& link = courseInPlane.link;
 	if (inSpace || link.isUnpublished() || link.bodyCount() == bodies.size())
 		return;
-	bool kept = false; // whether a body keeps exactly one plane
+	bool kept = false; // whether a disk is kept in a plane; a plate that moves along an axis stands in scenes in space, too
 	int leaves = -1;
 	for (int id = 0; id < static_cast<int>(bodies.size()); id++) {
 		const Shared<yade::Body>& body = bodies[id];
 		if (!body || !body_state(body))
 			continue;
 		const unsigned blocked = state_blockedDOFs(body_state(body));
-		const bool isFacet = body_shape(body) && kindOf(body_shape(body).get()) == cd::ShapeKind::facet;
-		leaves = leaves < 0 && (keepsNoPlane(blocked) || isFacet) ? id : leaves;
-		kept = kept || (!keepsNoPlane(blocked) && (blocked & 63) != 63);
+		const auto kind = body_shape(body) ? kindOf(body_shape(body).get()) : std::nullopt;
+		leaves = leaves < 0 && (keepsNoPlane(blocked) || kind == cd::ShapeKind::facet) ? id : leaves;
+		kept = kept || (kind == cd::ShapeKind::disk && !keepsNoPlane(blocked) && (blocked & 63) != 63);
 	}
 	if (leaves < 0)
 		return;
@@ -254,6 +254,8 @@ template <class Space> cd::StepSettings<Space> ContactDynamics::settings(yade::S
 	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
 	s.solve = cd::findSolver<Space>(method);
 	s.solveRolling = cd::findSolver<cd::RollingPlane>(method);
+	if (!s.solve)
+		throw SceneError("ContactDynamics: the method '" + method + "' solves planar scenes only. In space set method to 'auto'");
 	s.restTolerance = stiffnessSettings().rigid() ? tolerance : 100 * leastTolerance();
 	s.solver = { nextTolerance(), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run

@@ -141,7 +141,7 @@ template <class Space> void SceneLink<Space>::readBody(int id, const Shared<yade
 	if (!known.state)
 		refuseBody(id, "has no state", "Give it one: O.bodies[#].state=State()");
 	if (!known.shape)
-		refuseBody(id, "has no shape", "Set O.bodies[#].shape to a Sphere, Box or Wall, or erase the body");
+		refuseBody(id, "has no shape", "Set O.bodies[#].shape to a Sphere, Box, Wall or Facet, or erase the body");
 	checkMotion(id);
 	readOrientation(id);
 	const bool inPlane = readShape(id, world.bodies[id]);

@@ -29,6 +29,11 @@ namespace {
 			applyImpulse(c, system.bodies[c.a], system.bodies[c.b], impulseOf(c));
 	}
 
+	// Whether the block of a contact is known without its direction, so that the closed form is exact. Else W_tt is an estimate
+	// (contact_row_in_space.hpp), and sweeps are needed.
+	bool movesAlike(const BodyVelocity<Plane>&) { return true; }
+	bool movesAlike(const BodyVelocity<Space3>& b) { return b.w[0] == b.w[1] && b.w[1] == b.w[2] && b.w[3] == b.w[4] && b.w[4] == b.w[5]; }
+
 	// The impulses of a contact that no other contact influences.
 	template <class Space> ImpulseOf<Space> solveAlone(const ContactRow<Space>& c, const BodyVelocityIn<Space>& A, const BodyVelocityIn<Space>& B)
 	{
@@ -74,6 +79,8 @@ template <class Space> void IslandSolver<Space>::solveLoneContacts(ContactSystem
 			continue;
 		system.contacts.make();
 		ContactRow<Space>& c = system.contacts[partition.islands[k].first];
+		if (!movesAlike(system.bodies[c.a]) || !movesAlike(system.bodies[c.b]))
+			continue;
 		const ImpulseOf<Space> p = solveAlone(c, system.bodies[c.a], system.bodies[c.b]);
 		island.sweeps = length(p - impulseOf(c)) > tolerance * length(p);
 		island.state = State::solved;
