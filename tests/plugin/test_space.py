@@ -267,6 +267,18 @@ def test_spheres_with_blocked_freedoms_slide_against_coulomb_friction(O, blocked
     assert now - before == pytest.approx(-0.2 * G * dt * slip / np.linalg.norm(slip) * allowed, abs=1e-12)
 
 
+@pytest.mark.parametrize("blocked, keeps", [("yXYZ", 0), ("XYZ", 0), ("yXZ", 5 / 7)])
+def test_spheres_with_blocked_freedoms_stick_or_roll(O, blocked, keeps):
+    """Too slow to slide for a step: one that cannot turn stops, one that can rolls."""
+    mat, radius = material(0.5), 0.1
+    O.bodies.append(utils.wall(0, axis=2, material=mat))
+    ball((5, 5, 5), radius, mat)  # so that the scene is in space
+    state = O.bodies[ball((0, 0, radius), radius, mat, velocity=(1e-3, 0, 0))].state
+    state.blockedDOFs = blocked
+    run(3, 1e-3)
+    assert vector(state.vel) == pytest.approx((keeps * 1e-3, 0, 0), abs=1e-14)
+
+
 def test_a_loaded_plate_carries_what_presses_it_and_needs_no_message(O, capfd):
     """A planar scene may have a plate that moves along z, too, but here nothing is kept in a plane."""
     mat = material()
