@@ -44,7 +44,7 @@ ROWS = {"quick": [base | dict(seed=1, ramp_rate=fig5.QUICK, cycles=3) for base i
             ((collapse.SPRINGS, implicit(collapse.SPRINGS, cycles=48, **FINER), RIGID_COLLAPSE), dict(delta_sigma=LIVES, seed=SEEDS))) for base in bases
                  for row in product(**base, **more)]
         # The step's error, and how much MD itself changes with its tangential law.
-        + product(**implicit(MD_LATE, **FINER), delta_sigma=LATE_LOAD, seed=FEW)
+        + product(**implicit(MD_LATE, cd_dt=5e-4), delta_sigma=LATE_LOAD, seed=FEW)
         + product(**implicit(collapse.SPRINGS), delta_sigma=LIVES[0], seed=SEEDS)
         + product(**MD_RAMP | OTHER_LAW, seed=FEW) + product(**MD_LATE | OTHER_LAW, delta_sigma=LATE_LOAD, seed=FEW)
         + product(**collapse.SPRINGS | OTHER_LAW, delta_sigma=LIVES[0], seed=SEEDS)
