@@ -41,8 +41,8 @@ ROWS = {"quick": [base | dict(seed=1, ramp_rate=fig5.QUICK, cycles=3) for base i
         "full": [row for bases, more in (
             ((MD_RAMP, implicit(MD_RAMP), RIGID_RAMP), dict(seed=SEEDS)),
             (LATE_THREE, dict(delta_sigma=LATE_LOAD, seed=SEEDS)), (LATE_THREE, dict(delta_sigma=HIGHER, seed=FEW)),
-            ((collapse.SPRINGS, implicit(collapse.SPRINGS, cycles=48, **FINER), RIGID_COLLAPSE), dict(delta_sigma=LIVES, seed=SEEDS))) for base in bases
-                 for row in product(**base, **more)]
+            ((collapse.SPRINGS, implicit(collapse.SPRINGS, cycles=48, **FINER), RIGID_COLLAPSE), dict(delta_sigma=LIVES, seed=SEEDS)))
+                 for base in bases for row in product(**base, **more)]
         # The step's error, and how much MD itself changes with its tangential law.
         + product(**implicit(MD_LATE, cd_dt=5e-4), delta_sigma=LATE_LOAD, seed=FEW)
         + product(**implicit(collapse.SPRINGS), delta_sigma=LIVES[0], seed=SEEDS)
