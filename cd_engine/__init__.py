@@ -111,7 +111,7 @@ def engines(**settings):
     return [
         w.ForceResetter(),
         # With any other verletDist it would ask for a NewtonIntegrator.
-        w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=0),
+        w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb(), w.Bo1_Facet_Aabb()], verletDist=0),
         w.ContactDynamics(**({} if "tolerance" in settings else usual) | settings),
     ]
 

@@ -36,8 +36,9 @@ def text(engine):
     sweeps = f", exactly {engine.fixedIterations} sweeps" if engine.fixedIterations else ""
     springs = f", stiffness {engine.stiffness:g} and tangential {engine.tangentialStiffness:g} N/m" if engine.stiffness < math.inf else \
         ", stiffnesses of the materials" if engine.materialStiffness else ""
-    lines = [f"ContactDynamics: method {engine.method}, tolerance {engine.tolerance:g}{flow}, at most {engine.maxIterations} iterations a step, "
-             f"restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, "
+    space = " in space" if engine.inSpace else ""
+    lines = [f"ContactDynamics{space}: method {engine.method}, tolerance {engine.tolerance:g}{flow}, at most {engine.maxIterations} iterations "
+             f"a step, restitution {engine.restitution:g}, gapCorrection {engine.gapCorrection:g} beyond {engine.allowedOverlap:g} radii, "
              f"gravity {tuple(engine.gravity)} m/s^2{sweeps}{springs}"]
     if not engine.steps:
         return "\n".join(lines + ["No step yet."])

@@ -106,7 +106,8 @@ def _pressed(O):
 def _speed(body):
     """Return the largest speed [m/s] that a point of a body can have."""
     kind = type(body.shape).__name__
-    arm = body.shape.extents.norm() if kind == "Box" else body.shape.radius if kind == "Sphere" else 0
+    corners = {"Box": lambda shape: [shape.extents], "Facet": lambda shape: shape.vertices}.get(kind, lambda shape: [])(body.shape)
+    arm = body.shape.radius if kind == "Sphere" else max((corner.norm() for corner in corners), default=0)
     return body.state.vel.norm() + body.state.angVel.norm() * arm
 
 
@@ -116,6 +117,8 @@ def _fall(bodies, movable, down):
 
     def depth(body):
         centre = sum(x * d for x, d in zip(body.state.pos, down))
+        if type(body.shape).__name__ == "Facet":
+            return centre + max((body.state.ori * corner).dot(Vector3(*down)) for corner in body.shape.vertices)
         if type(body.shape).__name__ != "Box":
             return centre
         # Of each pair of opposite faces one is the upper one, unless both are vertical. The lowest corner of the upper face lies half[k] above the

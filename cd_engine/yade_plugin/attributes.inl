@@ -89,6 +89,9 @@ CD_ATTRIBUTE(double, bodyError, 0, result,
     "and the external one [1]. In packings, where some disks always carry hardly any load, it is relative to a mean over the island, "
     "weighted by mass (cd_engine/core/error/residual.hpp has the formula).")
 CD_ATTRIBUTE(int, worstBody, -1, result, "Id of the body whose velocity may have the largest error; -1: none.")
+CD_ATTRIBUTE(bool, inSpace, false, result,
+    "Whether the scene is solved in space. It is if a body can leave every plane (state.blockedDOFs), from the first step with such a body on; else the "
+    "scene is solved in the plane, in which its bodies are kept, which costs less than half.");
 CD_ATTRIBUTE(std::vector<int>, unsolvableContact, {}, result,
     "Ids of the two bodies whose contact is the strongest sign that there is no solution, if *status* is no_solution or a doubt remains. "
     "Example of "

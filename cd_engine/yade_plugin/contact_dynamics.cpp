@@ -1,4 +1,5 @@
 #include "../bindings/python.hpp"
+#include "body_checks.hpp"
 #include "contact_dynamics.hpp"
 #include "waiting.hpp"
 
@@ -22,17 +23,15 @@ namespace {
 		double weight = 0; // potential energy of all free bodies in gravity [J], relative to the origin
 	};
 
-	Energy energyOf(const cd::World& world, const Vector3r& gravity)
+	template <class Space> Energy energyOf(const cd::WorldOf<Space>& world, const Vector3r& gravity)
 	{
 		Energy sum;
-		for (const cd::Body& b : world.bodies) {
-			const double place[3] = { b.x, b.y, 0 };
-			for (int k = 0; k < 3; k++)
+		for (const cd::BodyOf<Space>& b : world.bodies)
+			for (int k = 0; k < Space::freedoms; k++)
 				if (b.inverseMass[k] > 0) {
 					sum.kinetic += 0.5 * b.v[k] * b.v[k] / b.inverseMass[k];
-					sum.weight -= gravity[k] * place[k] / b.inverseMass[k];
+					sum.weight -= k < Space::components ? gravity[k] * centreOf(b)[k] / b.inverseMass[k] : 0;
 				}
-		}
 		return sum;
 	}
 
@@ -57,6 +56,12 @@ namespace {
 		energy["elastPotential"] = elastPotential;
 		energy["viscDissip"] = known.get("viscDissip", 0.) + viscDissip;
 		energy["numDissip"] = known.get("numDissip", 0.) + numDissip;
+	}
+
+	// The settings which must be those of the last step, so that islands which did not change then do not change now.
+	template <class Space> std::array<double, 8> sleepSettings(const cd::StepSettings<Space>& s)
+	{
+		return { s.dt, s.restitution, s.gapCorrection, s.overlapCorrection, s.allowedOverlap, s.restTolerance, s.dampingRatio, 1 };
 	}
 
 } // namespace
@@ -92,8 +97,10 @@ void ContactDynamics::settleLatest()
 		return;
 	const WithoutInterpreterLock unlocked; // the last step of the run may need it
 	const std::lock_guard<std::mutex> lock(engine->stepping);
-	if (engine->link.isUnpublished())
-		engine->link.publish(engine->scene, engine->step);
+	engine->onCourse([engine](auto& now) {
+		if (now.link.isUnpublished())
+			now.link.publish(engine->scene, now.step);
+	});
 	engine->others.wake();
 }
 
@@ -108,9 +115,15 @@ void ContactDynamics::action()
 	moved = false;
 	try {
 		takeOver();
-		advance();
+		chooseSpace();
+		try {
+			inSpace ? advance<cd::Space3>() : advance<cd::Plane>();
+		} catch (const LeavesPlane& body) {
+			takeToSpace(body);
+			advance<cd::Space3>();
+		}
 	} catch (const std::bad_alloc&) { // arrays may be half filled: all but the motion is given up
-		link.saveMotion();
+		onCourse([](auto& now) { now.link.saveMotion(); });
 		if (moved) { // YADE does not count a step that ends by an error
 			scene_time(scene) += scene_dt(scene);
 			scene_iter(scene)++;
@@ -134,7 +147,7 @@ void ContactDynamics::action()
 // After an error in a step: the scene is that of the last step that was made.
 void ContactDynamics::giveUp()
 {
-	link.catchUp(scene, step);
+	onCourse([this](auto& now) { now.link.catchUp(scene, now.step); });
 	scene_forces(scene).sync(); // else ForceResetter would leave what other engines have added in this step
 	others.wakeUnsorted(); // whoever continues from here must not find a sleeping collider
 	last = {};
@@ -143,10 +156,51 @@ void ContactDynamics::giveUp()
 // The memory of a scene.
 void ContactDynamics::release()
 {
-	link = SceneLink();
-	step = cd::TimeStep<cd::Plane>();
+	courseInPlane = {};
+	courseInSpace = {};
 	last = {};
 	idle = false;
+}
+
+// A scene is solved in the plane if its bodies keep one. Looks at all bodies only where some have come or gone; else reading them notices.
+void ContactDynamics::chooseSpace()
+{
+	auto& bodies = *scene_bodies(scene);
+	const SceneLink<cd::Plane>& link = courseInPlane.link;
+	if (inSpace || link.isUnpublished() || link.bodyCount() == bodies.size())
+		return;
+	bool kept = false; // whether a body keeps exactly one plane
+	int leaves = -1;
+	for (int id = 0; id < static_cast<int>(bodies.size()); id++) {
+		const Shared<yade::Body>& body = bodies[id];
+		if (!body || !body_state(body))
+			continue;
+		const unsigned blocked = state_blockedDOFs(body_state(body));
+		const bool isFacet = body_shape(body) && kindOf(body_shape(body).get()) == cd::ShapeKind::facet;
+		leaves = leaves < 0 && (keepsNoPlane(blocked) || isFacet) ? id : leaves;
+		kept = kept || (!keepsNoPlane(blocked) && (blocked & 63) != 63);
+	}
+	if (leaves < 0)
+		return;
+	if (kept)
+		takeToSpace({ text("body #", leaves,
+				  " is free to leave the plane in which other bodies are kept, or a Facet, so the scene is solved in space"),
+		    text("Set O.bodies[", leaves,
+			"].state.blockedDOFs, 'zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z, to keep it in the plane, where Box and "
+			"Wall are known.") });
+	else
+		takeToSpace({});
+}
+
+void ContactDynamics::takeToSpace(const LeavesPlane& body)
+{
+	if (!body.what.empty())
+		courseInPlane.link.warnOnce(body.what + '.', body.remedy);
+	courseInPlane = {};
+	last = {};
+	idle = false;
+	const std::lock_guard<std::mutex> lock(attributesLock);
+	inSpace = true;
 }
 
 // The tolerance of the next step: the largest power of ten, within its limits, that is not above `unrest`. An error changes velocities by about
@@ -185,10 +239,10 @@ void ContactDynamics::noteUnrest(const cd::StepReport& report)
 	unrest = std::max(now, fades * unrest);
 }
 
-cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene* of) const
+template <class Space> cd::StepSettings<Space> ContactDynamics::settings(yade::Scene* of) const
 {
 	const std::lock_guard<std::mutex> lock(attributesLock);
-	cd::StepSettings<cd::Plane> s;
+	cd::StepSettings<Space> s;
 	s.dt = scene_dt(of);
 	s.restitution = en.given() ? pairValues().largestRestitution() : restitution;
 	(gapVelocity ? s.gapCorrection : s.overlapCorrection) = gapCorrection;
@@ -198,8 +252,8 @@ cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene* of) const
 	s.iteration = scene_iter(of);
 	s.reduce = reduce;
 	s.threads = threads > 0 ? threads : omp_get_max_threads ? omp_get_max_threads() : 1;
-	s.solve = cd::findSolver(method);
-	s.solveRolling = cd::findRollingSolver(method);
+	s.solve = cd::findSolver<Space>(method);
+	s.solveRolling = cd::findSolver<cd::RollingPlane>(method);
 	s.restTolerance = stiffnessSettings().rigid() ? tolerance : 100 * leastTolerance();
 	s.solver = { nextTolerance(), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
@@ -238,17 +292,17 @@ PairValues ContactDynamics::readPairValues() const
 }
 
 // Gives the step what is saved of rest.
-void ContactDynamics::recallRest()
+void ContactDynamics::recallRest(cd::Rest& rest)
 {
 	const std::lock_guard<std::mutex> lock(attributesLock);
-	cd::Rest& rest = step.rest;
 	std::tie(rest.steps, rest.trialAt, rest.pause, rest.islands, rest.sleeping, rest.withoutSweep, rest.loadsBefore)
 	    = std::tie(steps, restTrialAt, restTrialPause, islands, sleeping, rested, loadsBeforeTrial);
 }
 
 // Writes to the scene what others read before the next step.
-void ContactDynamics::show()
+template <class Space> void ContactDynamics::show()
 {
+	auto& [link, step] = course<Space>();
 	const std::vector<int>& driven = others.drivenBodies();
 	const bool ends = scene_stopAtIter(scene) == scene_iter(scene) + 1;
 	if (ends || !awaited() || !link.isFinite() || read(&ContactDynamics::publish) == "always" || others.observe(scene)
@@ -267,22 +321,24 @@ void ContactDynamics::checkEngines()
 	}
 }
 
-void ContactDynamics::advance()
+template <class Space> void ContactDynamics::advance()
 {
+	auto& [link, step] = course<Space>();
 	const long now = changes(); // first: what Python sets from here on is looked at in the next step, too
 	const Vector3r weighs = read(&ContactDynamics::gravity);
 	const bool changed = std::exchange(known, now) != now;
 	if (idle && !changed && link.isUnpublished() && !checksOrder() && others.drivenBodies().empty())
-		return repeatIdleStep(weighs);
+		return repeatIdleStep<Space>(weighs);
 	others.check(this, scene, weighs != Vector3r::Zero());
-	const cd::StepSettings<cd::Plane> settings = this->settings(scene);
+	const cd::StepSettings<Space> settings = this->settings<Space>(scene);
 	link.stiffness = readStiffness();
 	link.mask = read(&ContactDynamics::mask);
 	if (link.setValues(readPairValues()))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
-	if (!sleepGoesOn(settings))
+	const std::array<double, 8> keeping = sleepSettings(settings);
+	if (keeping != last || settings.solver.fixedIterations > 0 || settings.solver.seed > 0 || !settings.reduce || !warmStart || handover)
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
-	last = settings;
+	last = keeping;
 	link.world.apart = others.maskApart();
 	others.restCollider(scene);
 	link.gather(scene, weighs, settings.dt, memory(), checksOrder(), searchMargin, step, {});
@@ -291,33 +347,34 @@ void ContactDynamics::advance()
 				 "etaRoll to 0");
 	const bool takesOver = handover;
 	if (takesOver)
-		takeOverlaps();
-	warnBeforeStep(settings.dt);
+		takeOverlaps<Space>();
+	warnBeforeStep<Space>(settings.dt);
 
 	const bool tracks = scene_trackEnergy(scene);
-	const double height = tracks ? energyOf(link.world, link.toPlane(weighs)).weight : 0;
-	const cd::StepReport made = solve(weighs, settings);
+	const double height = tracks ? energyOf<Space>(link.world, link.toCore(weighs)).weight : 0;
+	const cd::StepReport made = solve<Space>(weighs, settings);
 	link.finishStep(step, settings.dt);
 	moved = true;
 	idle = made.idle;
 	const double deepestBefore = deepestPenetration, dashpotsBefore = dashpotEnergy, dampedBefore = dampedEnergy;
-	report(made, settings, takesOver);
+	report<Space>(made, settings, takesOver);
 	if (tracks) {
-		const Energy after = energyOf(link.world, link.toPlane(weighs));
+		const Energy after = energyOf<Space>(link.world, link.toCore(weighs));
 		track(after.kinetic, after.weight - height, made.dissipated);
 		if (link.world.compliant())
 			trackSprings(storedEnergy, dashpotEnergy - dashpotsBefore, dampedEnergy - dampedBefore);
 	}
-	show();
+	show<Space>();
 	if (!converged && fixedIterations == 0)
 		warnOfUnsolved();
 	if (deepestPenetration > deepestBefore)
-		warnOfPenetration(deepestBefore, takesOver);
+		warnOfPenetration<Space>(deepestBefore, takesOver);
 }
 
 // A step in which nothing moves, as in the last one.
-void ContactDynamics::repeatIdleStep(const Vector3r& weighs)
+template <class Space> void ContactDynamics::repeatIdleStep(const Vector3r& weighs)
 {
+	SceneLink<Space>& link = course<Space>().link;
 	{
 		const std::lock_guard<std::mutex> lock(attributesLock);
 		steps++;
@@ -325,12 +382,13 @@ void ContactDynamics::repeatIdleStep(const Vector3r& weighs)
 		noteUnrest({});
 	}
 	if (scene_trackEnergy(scene))
-		track(energyOf(link.world, link.toPlane(weighs)).kinetic, 0, 0);
-	show();
+		track(energyOf<Space>(link.world, link.toCore(weighs)).kinetic, 0, 0);
+	show<Space>();
 }
 
-void ContactDynamics::takeOverlaps()
+template <class Space> void ContactDynamics::takeOverlaps()
 {
+	SceneLink<Space>& link = course<Space>().link;
 	double largest = 0;
 	if (link.world.compliant())
 		link.forgetOverlaps();
@@ -343,9 +401,10 @@ void ContactDynamics::takeOverlaps()
 }
 
 // Makes a step in the core's world. Repeats it with more pairs while bodies outran the list; a repeated step may need more.
-cd::StepReport ContactDynamics::solve(const Vector3r& weighs, const cd::StepSettings<cd::Plane>& settings)
+template <class Space> cd::StepReport ContactDynamics::solve(const Vector3r& weighs, const cd::StepSettings<Space>& settings)
 {
-	recallRest();
+	auto& [link, step] = course<Space>();
+	recallRest(step.rest);
 	cd::StepReport made = step(link.world, settings);
 	for (std::vector<double> needed; !made.outran.empty();) {
 		needed.resize(made.outran.size());
@@ -360,8 +419,9 @@ cd::StepReport ContactDynamics::solve(const Vector3r& weighs, const cd::StepSett
 }
 
 // Copies the report into the attributes.
-void ContactDynamics::report(const cd::StepReport& report, const cd::StepSettings<cd::Plane>& settings, bool takesOver)
+template <class Space> void ContactDynamics::report(const cd::StepReport& report, const cd::StepSettings<Space>& settings, bool takesOver)
 {
+	auto& [link, step] = course<Space>();
 	const std::lock_guard<std::mutex> lock(attributesLock);
 	if (!step.overlapsForgotten().empty())
 		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());
@@ -409,13 +469,6 @@ void ContactDynamics::report(const cd::StepReport& report, const cd::StepSetting
 		unconvergedSteps++;
 }
 
-// Whether this step has the settings of the last one, so that islands which did not change then do not change now.
-bool ContactDynamics::sleepGoesOn(const cd::StepSettings<cd::Plane>& now) const
-{
-	return now.dt == last.dt && now.restitution == last.restitution && now.gapCorrection == last.gapCorrection
-	    && now.overlapCorrection == last.overlapCorrection && now.allowedOverlap == last.allowedOverlap && now.restTolerance == last.restTolerance
-	    && now.reduce && now.dampingRatio == last.dampingRatio && now.solver.fixedIterations == 0 && now.solver.seed == 0 && warmStart
-	    && !handover;
-}
+template cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene*) const; // for next_problem.cpp
 
 } // namespace cd_engine

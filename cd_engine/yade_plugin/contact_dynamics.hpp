@@ -39,47 +39,58 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	py::tuple nextProblem();
 
     private:
+	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.
+	template <class Space> struct Course {
+		SceneLink<Space> link;
+		cd::TimeStep<Space> step;
+	};
+	template <class Space> Course<Space>& course();
+	// Calls use(course) with the one in use.
+	template <class Use> auto onCourse(const Use& use) { return inSpace ? use(courseInSpace) : use(courseInPlane); }
+	void chooseSpace();
+	void takeToSpace(const LeavesPlane&);
 	double nextTolerance() const;
 	void noteUnrest(const cd::StepReport&);
-	cd::StepSettings<cd::Plane> settings(yade::Scene*) const;
+	template <class Space> cd::StepSettings<Space> settings(yade::Scene*) const;
 	StiffnessSettings stiffnessSettings() const;
 	double leastTolerance() const;
 	PairValues pairValues() const;
 	PairValues readPairValues() const;
-	void recallRest();
-	void show();
+	void recallRest(cd::Rest&);
+	template <class Space> void show();
 	void takeOver();
 	void release();
 	void giveUp();
-	void advance();
-	void repeatIdleStep(const Vector3r& weighs);
-	void takeOverlaps();
-	cd::StepReport solve(const Vector3r& weighs, const cd::StepSettings<cd::Plane>&);
+	template <class Space> void advance();
+	template <class Space> void repeatIdleStep(const Vector3r& weighs);
+	template <class Space> void takeOverlaps();
+	template <class Space> cd::StepReport solve(const Vector3r& weighs, const cd::StepSettings<Space>&);
 	StiffnessSettings readStiffness() const;
-	void report(const cd::StepReport&, const cd::StepSettings<cd::Plane>&, bool takesOver);
-	bool sleepGoesOn(const cd::StepSettings<cd::Plane>&) const;
+	template <class Space> void report(const cd::StepReport&, const cd::StepSettings<Space>&, bool takesOver);
 	Memory memory() { return { { referenceIds, referenceOverlaps }, { bodyOrder, bodyOrderLength }, attributesLock }; }
 	bool checksOrder() const { return steps % 64 == 0; }
 	template <class... Facts> std::string words(const char* function, const Facts&...);
-	void warnBeforeStep(double dt);
-	void warnOfLostBody();
-	void warnOfSpeed(double dt);
-	void warnOfShortStep(double dt);
+	template <class Space> void warnBeforeStep(double dt);
+	template <class Space> void warnOfLostBody();
+	template <class Space> void warnOfSpeed(double dt);
+	template <class Space> void warnOfShortStep(double dt);
 	void warnOfUnsolved();
-	void warnOfPenetration(double before, bool takesOver);
+	template <class Space> void warnOfPenetration(double before, bool takesOver);
 
-	// The scene from step to step; all of it can be rebuilt. Only the engine that has made the last step keeps it.
-	SceneLink link;
-	cd::TimeStep<cd::Plane> step;
+	Course<cd::Plane> courseInPlane;
+	Course<cd::Space3> courseInSpace;
 	static std::atomic<ContactDynamics*> latest; // the engine that has made the last step
 	std::mutex stepping; // held during a step: O.pause() may return while the last step still runs
 	OtherEngines others;
 	bool warnedOfUnsolved = false, warnedOfUnsolvable = false, warnedOfLost = false, warnedOfSpeed = false;
-	cd::StepSettings<cd::Plane> last; // settings of the last step
+	std::array<double, 8> last {}; // the settings of the last step on which sleep depends
 	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
 	bool moved = false; // the step under way has moved the bodies
 	long known = 0; // attributes set before the last step
 };
+
+template <> inline auto ContactDynamics::course<cd::Plane>() -> Course<cd::Plane>& { return courseInPlane; }
+template <> inline auto ContactDynamics::course<cd::Space3>() -> Course<cd::Space3>& { return courseInSpace; }
 
 // Where the attributes are.
 extern template class RegisteredEngine<ContactDynamics>;

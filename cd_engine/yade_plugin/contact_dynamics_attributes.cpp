@@ -7,11 +7,13 @@
 namespace cd_engine {
 
 const char* const ContactDynamics::documentation
-    = "Contact Dynamics for disks in the plane: rigid bodies, unilateral contact (Signorini) and exact, non-associated Coulomb friction, "
+    = "Contact Dynamics for disks in the plane and spheres in space: rigid bodies, unilateral contact (Signorini) and exact, non-associated Coulomb "
+      "friction, "
       "solved implicitly for all contacts of a step at once; moves the bodies by the Moreau-Jean scheme. Takes the place of InteractionLoop and "
       "NewtonIntegrator; stands after ForceResetter (:py:func:`cd_engine.engines` makes the list). Finds near pairs itself, without a collider. "
-      "Disks are Sphere bodies kept in one plane, blockedDOFs='zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z; Box (turned in the plane at will) and Wall "
-      "are boundaries: fixed, "
+      "Sphere bodies that blockedDOFs keeps in one plane, 'zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z, are disks, and the scene is solved in that "
+      "plane; "
+      "if one can leave it, in space. Box (turned at will) and Wall are boundaries: fixed, "
       "moving at a prescribed velocity, or free in some directions and pushed by O.forces. Two boundaries never touch each other. Friction: the "
       "smaller frictionAngle of the two. After a step every loaded contact is a real interaction with ScGeom and FrictPhys, and O.forces holds the "
       "total on each body, gravity of free bodies included.";

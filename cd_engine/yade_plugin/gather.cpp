@@ -6,17 +6,26 @@
 #include <cassert>
 #include <cmath>
 #include <iostream>
+#include <type_traits>
 #include <utility>
 
 namespace cd_engine {
+namespace {
 
-void SceneLink::warnOnce(const std::string& what, const std::string& remedy)
+	double sideOf(const cd::Half& half, int axis) { return axis == 0 ? half.x : half.y; }
+	double sideOf(const cd::Vector3& half, int axis) { return half[axis]; }
+	double speedOf(const cd::Body& b) { return std::hypot(b.v[0], b.v[1]); }
+	double speedOf(const cd::SpaceBody& b) { return length(velocityOf(b)); }
+
+} // namespace
+
+template <class Space> void SceneLink<Space>::warnOnce(const std::string& what, const std::string& remedy)
 {
 	if (!inspecting && warned.insert(what).second)
 		std::cerr << "ContactDynamics: " << what << " " << remedy << '\n';
 }
 
-void SceneLink::checkScene(yade::Scene* scene, double dt)
+template <class Space> void SceneLink<Space>::checkScene(yade::Scene* scene, double dt)
 {
 	if (scene_isPeriodic(scene))
 		throw SceneError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls");
@@ -28,43 +37,57 @@ void SceneLink::checkScene(yade::Scene* scene, double dt)
 
 // Two boundaries make no pair, so nothing holds one that gravity moves down onto another, or that its velocity or a force moves onto one from which
 // it is still apart. Warns of such a pair once, and if gravity moves all of them. Called after a search.
-void SceneLink::warnOfUnheldBoundaries(double dt)
+template <class Space> void SceneLink<Space>::warnOfUnheldBoundaries(double dt)
 {
 	const double fits = 1.8 * cd::smallestRadius(world); // where a disk fits between two, pressed in by a tenth [m]
 	const int count = static_cast<int>(bodies.size());
+	constexpr int axes = Space::components;
+	const char* const kinds = axes == 2 ? "Box and Wall" : "Box, Wall and Facet";
 	int falling = -1;
 	bool held = false;
 	for (int mover = 0; mover < count; mover++) {
-		const cd::Body& a = world.bodies[mover];
+		const Body& a = world.bodies[mover];
 		if (world.masks[mover] == 0)
 			continue;
-		const bool pulled = a.inverseMass[0] * pull[0] != 0 || a.inverseMass[1] * pull[1] != 0;
+		bool pulled = false, moves = false;
+		for (int k = 0; k < axes; k++) {
+			pulled = pulled || a.inverseMass[k] * pull[k] != 0;
+			moves = moves || a.inverseMass[k] != 0;
+		}
 		held = held || !pulled; // a fixed disk holds the scene, too
-		if (!isBoundary(a) || (a.inverseMass[0] == 0 && a.inverseMass[1] == 0))
+		if (!isBoundary(a) || !moves)
 			continue;
 		falling = pulled ? mover : falling;
-		const cd::Half ha = cd::halfSides(a, world.shapes[mover]);
+		const auto ha = cd::halfSides(a, world.shapes[mover]);
 		// A large force makes the margin wide. If the boundary has disks near it, which may carry the force, only its present motion counts.
 		const bool meetsDisks = std::any_of(world.pairs.begin(), world.pairs.end(), [&](const cd::Pair& pair) { return pair.a == mover; });
-		const double most = meetsDisks ? fits + 10 * dt * std::hypot(a.v[0], a.v[1]) : cd::endless;
+		const double most = meetsDisks ? fits + 10 * dt * speedOf(a) : cd::endless;
 		for (int other = 0; other < count; other++) {
-			const cd::Body& b = world.bodies[other];
+			const Body& b = world.bodies[other];
 			if (other == mover || !isBoundary(b) || world.masks[other] == 0)
 				continue;
-			const cd::Half hb = cd::halfSides(b, world.shapes[other]);
-			const double margin = std::min(search.marginOf(mover) + search.marginOf(other), most), way[] = { b.x - a.x, b.y - a.y },
-				     overlap[] = { ha.x + hb.x - std::abs(way[0]), ha.y + hb.y - std::abs(way[1]) };
-			// The axis with the smaller overlap decides: a boundary that slides along a side wall overlaps it least across its motion,
+			const auto hb = cd::halfSides(b, world.shapes[other]);
+			const auto way = centreOf(b) - centreOf(a);
+			const double margin = std::min(search.marginOf(mover) + search.marginOf(other), most);
+			// The axis with the smallest overlap decides: a boundary that slides along a side wall overlaps it least across its motion,
 			// and a piston with clearance not at all. A Wall, endless along itself, crosses others and what stands on both of its sides.
-			const int k = overlap[0] < overlap[1] ? 0 : 1;
+			double overlap[axes];
+			for (int i = 0; i < axes; i++)
+				overlap[i] = sideOf(ha, i) + sideOf(hb, i) - std::abs(way[i]);
+			int k = axes - 1;
+			for (int i = axes - 1; i-- > 0;)
+				k = overlap[i] < overlap[k] ? i : k;
+			bool besides = false; // they miss each other along another axis
+			for (int i = 0; i < axes; i++)
+				besides = besides || (i != k && !(overlap[i] > 0));
 			const bool crosses = overlap[k] == cd::endless || (world.shapes[mover].kind == cd::ShapeKind::wall && overlap[k] > margin);
-			if (crosses || overlap[k] < -margin || a.inverseMass[k] == 0 || !(overlap[1 - k] > 0))
+			if (crosses || overlap[k] < -margin || a.inverseMass[k] == 0 || besides)
 				continue;
 			const bool falls = way[k] * pull[k] > 0, comes = overlap[k] < 0 && (way[k] * a.v[k] > 0 || way[k] * a.force[k] > 0);
 			const auto [first, second] = std::minmax(mover, other); // having passed through each other they meet again
 			if ((falls || comes) && warned.insert(text("boundaries ", first, " ", second)).second)
 				warnOnce(text("body #", mover, " is a boundary that ", falls ? "gravity" : "its velocity or a force",
-					     " moves onto another: Box and Wall never touch each other."),
+					     " moves onto another: ", kinds, " never touch each other."),
 				    text("It will pass through body #", other,
 					". To prevent this, block its motion (state.blockedDOFs), or leave a gap between the two."));
 		}
@@ -74,7 +97,7 @@ void SceneLink::warnOfUnheldBoundaries(double dt)
 		    "Fix the boundary that has to hold the scene: state.blockedDOFs='xyzXYZ'.");
 }
 
-void SceneLink::forget(yade::Interaction* interaction) const
+template <class Space> void SceneLink<Space>::forget(yade::Interaction* interaction) const
 {
 	if (inspecting)
 		return;
@@ -84,7 +107,7 @@ void SceneLink::forget(yade::Interaction* interaction) const
 }
 
 // Puts the bodies of an interaction in the order of its pair. YADE's own functors, too, want the boundary first.
-void SceneLink::turn(std::size_t index) const
+template <class Space> void SceneLink<Space>::turn(std::size_t index) const
 {
 	yade::Interaction* const interaction = interactions[index];
 	if (inspecting || interaction_id1(interaction) == world.pairs[index].a)
@@ -94,7 +117,7 @@ void SceneLink::turn(std::size_t index) const
 }
 
 // Pairs that were listed before keep their objects.
-void SceneLink::keepPairs()
+template <class Space> void SceneLink<Space>::keepPairs()
 {
 	for (const int32_t i : search.left()) {
 		if (interactions[i])
@@ -106,7 +129,7 @@ void SceneLink::keepPairs()
 }
 
 // Gives the pairs the interactions that the scene has for them. Interactions without a pair lose their forces: a disk may have become a box.
-void SceneLink::takePairs(yade::Scene* scene)
+template <class Space> void SceneLink<Space>::takePairs(yade::Scene* scene)
 {
 	listed = interactionsOf(scene);
 	parted.clear();
@@ -128,7 +151,7 @@ void SceneLink::takePairs(yade::Scene* scene)
 }
 
 // Gives the pairs their reference overlaps: all, or those that were not listed before.
-void SceneLink::takeReferences(const Memory& memory, bool all)
+template <class Space> void SceneLink<Space>::takeReferences(const Memory& memory, bool all)
 {
 	world.listing++;
 	std::size_t touching = 0;
@@ -146,7 +169,8 @@ void SceneLink::takeReferences(const Memory& memory, bool all)
 }
 
 // read: whether the scene has been read; searched: whether the list of pairs is new; reordered: whether its order is new.
-void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read, bool searched, bool reordered, cd::Sleepers<cd::Plane>& sleepers)
+template <class Space>
+void SceneLink<Space>::gatherPairs(yade::Scene* scene, const Memory& memory, bool read, bool searched, bool reordered, Sleepers& sleepers)
 {
 	// `listed` holds on to its interactions, so that a new one cannot get an old one's address.
 	bool taken = reordered || (read && (outdated || interactionsOf(scene) != listed));
@@ -169,18 +193,19 @@ void SceneLink::gatherPairs(yade::Scene* scene, const Memory& memory, bool read,
 }
 
 // The force that an interaction holds; none if a step cannot read or write its objects.
-cd::Carried SceneLink::readForce(std::size_t index, bool turned)
+// Whether an interaction holds the force of a contact in objects that a step can read and write.
+template <class Space> bool SceneLink<Space>::holdsForce(std::size_t index, bool turned)
 {
 	const auto& geom = interaction_geom(interactions[index]);
 	const auto& phys = interaction_phys(interactions[index]);
 	ForceObjects& known = objects[index];
 	known.real = geom || phys;
 	if (!known.real)
-		return {};
+		return false;
 	if (turned || !geom || !phys || !isScGeom(geom.get()) || !isFrictPhys(phys.get())) {
 		known.geom.reset();
 		known.phys.reset();
-		return {};
+		return false;
 	}
 	if (known.geom != geom)
 		known.geom = geom;
@@ -188,15 +213,32 @@ cd::Carried SceneLink::readForce(std::size_t index, bool turned)
 		known.phys = phys;
 		known.holdMoment = isCohFrictPhys(phys.get());
 	}
-	const Vector3r &n = geom_normal(geom), &fn = phys_normalForce(phys), &ft = phys_shearForce(phys);
-	const int x = plane.x, y = plane.y;
-	const double moment = known.holdMoment ? plane.turn * cohPhys_moment(phys)[plane.normal] : 0;
+	return true;
+}
+
+template <> cd::Carried SceneLink<cd::Plane>::readForce(std::size_t index, bool turned)
+{
+	if (!holdsForce(index, turned))
+		return {};
+	const ForceObjects& o = objects[index];
+	const Vector3r &n = geom_normal(o.geom), &fn = phys_normalForce(o.phys), &ft = phys_shearForce(o.phys);
+	const int x = frame.x, y = frame.y;
+	const double moment = o.holdMoment ? frame.turn * cohPhys_moment(o.phys)[frame.normal] : 0;
 	return { n[x], n[y], { fn[x], fn[y] }, { ft[x], ft[y] }, -1, moment };
+}
+
+template <> cd::SpaceCarried SceneLink<cd::Space3>::readForce(std::size_t index, bool turned)
+{
+	if (!holdsForce(index, turned))
+		return {};
+	const ForceObjects& o = objects[index];
+	const auto read = [](const Vector3r& v) { return cd::Vector3 { v[0], v[1], v[2] }; };
+	return { read(geom_normal(o.geom)), read(phys_normalForce(o.phys)), read(phys_shearForce(o.phys)), -1 };
 }
 
 // Reads the present force of every contact: three dependent look-ups in different memory lines, each prefetched before the next. A force that
 // somebody has changed wakes its island. Returns false if the bodies of an interaction were swapped since the pairs were made.
-bool SceneLink::readForces(cd::Sleepers<cd::Plane>* sleepers)
+template <class Space> bool SceneLink<Space>::readForces(Sleepers* sleepers)
 {
 	constexpr std::size_t early = 12;
 	const std::size_t count = world.pairs.size();
@@ -217,7 +259,7 @@ bool SceneLink::readForces(cd::Sleepers<cd::Plane>* sleepers)
 		const bool turned = pair.a != interaction_id1(interactions[now]); // which the step itself would not notice
 		if (turned && !inspecting)
 			return false;
-		const cd::Carried found = readForce(now, turned);
+		const Carried found = readForce(now, turned);
 		if (found.same(world.carried[now]))
 			continue;
 		world.carried[now] = found;
@@ -249,7 +291,7 @@ double PairValues::largestRestitution() const
 	return largest;
 }
 
-bool SceneLink::setValues(const PairValues& now)
+template <class Space> bool SceneLink<Space>::setValues(const PairValues& now)
 {
 	now.check();
 	newValues = newValues || !(now == values);
@@ -257,7 +299,7 @@ bool SceneLink::setValues(const PairValues& now)
 	return newValues;
 }
 
-void SceneLink::setRestitution()
+template <class Space> void SceneLink<Space>::setRestitution()
 {
 	world.restitutions.resize(values.en.given() ? world.pairs.size() : 0);
 	for (std::size_t i = 0; i < world.restitutions.size(); i++)
@@ -265,7 +307,7 @@ void SceneLink::setRestitution()
 		    = values.en.of(bodies[world.pairs[i].a].material, bodies[world.pairs[i].b].material, values.restitution, values.restitution);
 }
 
-void SceneLink::setPairFriction()
+template <class Space> void SceneLink<Space>::setPairFriction()
 {
 	for (cd::Pair& pair : world.pairs) {
 		const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
@@ -273,7 +315,7 @@ void SceneLink::setPairFriction()
 	}
 }
 
-void SceneLink::setFriction(cd::Threads& threads)
+template <class Space> void SceneLink<Space>::setFriction(cd::Threads& threads)
 {
 	if (values.frictAngle.given())
 		return setPairFriction();
@@ -286,7 +328,7 @@ void SceneLink::setFriction(cd::Threads& threads)
 }
 
 // As YADE's Ip2_FrictMat_FrictMat_FrictPhys, in its order of operations; for a boundary YADE's functors take the disk's radius.
-cd::Stiffness SceneLink::stiffnessOf(const cd::Pair& pair) const
+template <class Space> cd::Stiffness SceneLink<Space>::stiffnessOf(const cd::Pair& pair) const
 {
 	if (!stiffness.ofMaterials)
 		return { stiffness.kn, stiffness.kt };
@@ -300,7 +342,7 @@ cd::Stiffness SceneLink::stiffnessOf(const cd::Pair& pair) const
 }
 
 // Wakes all islands if a stiffness has changed.
-void SceneLink::setStiffness(cd::Sleepers<cd::Plane>& sleepers)
+template <class Space> void SceneLink<Space>::setStiffness(Sleepers& sleepers)
 {
 	const std::size_t count = stiffness.rigid() ? 0 : world.pairs.size();
 	bool changed = world.stiffnesses.size() != count;
@@ -315,7 +357,7 @@ void SceneLink::setStiffness(cd::Sleepers<cd::Plane>& sleepers)
 }
 
 // As YADE's Ip2_CohFrictMat_CohFrictMat_CohFrictPhys: the smaller one of eta R of the two, and for a boundary the disk's radius.
-cd::Rolling SceneLink::rollingOf(const cd::Pair& pair) const
+template <class Space> cd::Rolling SceneLink<Space>::rollingOf(const cd::Pair& pair) const
 {
 	const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
 	const double rb = world.bodyOf(pair.b).radius, ra = isBoundary(world.bodyOf(pair.a)) ? rb : world.bodyOf(pair.a).radius;
@@ -325,7 +367,7 @@ cd::Rolling SceneLink::rollingOf(const cd::Pair& pair) const
 }
 
 // Wakes all islands if the resistance of a pair has changed.
-void SceneLink::setRolling(cd::Sleepers<cd::Plane>& sleepers)
+template <class Space> void SceneLink<Space>::setRolling(Sleepers& sleepers)
 {
 	const std::size_t count = anyRolls ? world.pairs.size() : 0;
 	bool changed = world.rollings.size() != count;
@@ -339,10 +381,14 @@ void SceneLink::setRolling(cd::Sleepers<cd::Plane>& sleepers)
 		sleepers.wakeAll(world, { "the rolling resistance of contacts has changed", -1 });
 }
 
-void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin,
-    cd::TimeStep<cd::Plane>& step, const std::vector<double>& outran)
+template <class Space>
+void SceneLink<Space>::gather(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder, double margin, TimeStep& step,
+    const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
+	if (std::is_same_v<Space, cd::Space3> && mask > 0)
+		throw SceneError(
+		    "ContactDynamics: belts (mask) are known in the plane only. Keep the scene in a plane by state.blockedDOFs, or set mask to 0");
 	for (const int id : driven) // all of them, since a refusal writes them back
 		readVelocity(id, world.bodies[id]);
 	if (unpublished && (g != gravity || mask != maskBefore))
@@ -384,11 +430,22 @@ void SceneLink::gather(yade::Scene* scene, const Vector3r& g, double dt, const M
 		step.sleepers.wakeAll(world, { "the surface of a belt has another velocity", -1 });
 }
 
-void SceneLink::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)
+template <class Space> void SceneLink<Space>::inspectScene(yade::Scene* scene, const Vector3r& g, double dt, const Memory& memory, bool checksOrder)
 {
 	inspecting = true;
-	cd::TimeStep<cd::Plane> none;
+	TimeStep none;
 	gather(scene, g, dt, memory, checksOrder, 0, none, {});
 }
+
+#define INSTANTIATE(Space)                                                                                                                           \
+	template void SceneLink<Space>::warnOnce(const std::string&, const std::string&);                                                            \
+	template bool SceneLink<Space>::setValues(const PairValues&);                                                                                \
+	template void SceneLink<Space>::forget(yade::Interaction*) const;                                                                            \
+	template void SceneLink<Space>::turn(std::size_t) const;                                                                                     \
+	template void SceneLink<Space>::gather(                                                                                                      \
+	    yade::Scene*, const Vector3r&, double, const Memory&, bool, double, cd::TimeStep<Space>&, const std::vector<double>&);                   \
+	template void SceneLink<Space>::inspectScene(yade::Scene*, const Vector3r&, double, const Memory&, bool);
+INSTANTIATE(cd::Plane)
+INSTANTIATE(cd::Space3)
 
 } // namespace cd_engine

@@ -172,7 +172,7 @@ namespace {
 	void surveyBases(Survey& s)
 	{
 		for (const char* const owner : { "Body", "State", "Interaction", "ScGeom", "ScGeom6D", "FrictPhys", "FrictViscoPhys", "CohFrictPhys",
-			 "FrictMat", "CohFrictMat", "Sphere", "Box", "Wall", "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
+			 "FrictMat", "CohFrictMat", "Sphere", "Box", "Wall", "Facet", "Bo1_Sphere_Aabb", "InsertionSortCollider", "Scene" }) {
 			const std::string name = std::string(owner) + ".Factorable";
 			const Shared<yade::Factorable> object = make(owner);
 			const long offset = reinterpret_cast<char*>(object.get()) - static_cast<char*>(dynamic_cast<void*>(object.get()));

@@ -72,6 +72,7 @@ inline Member<double> elastMat_young { "ElastMat", "young" }, elastMat_poisson {
 inline Member<double> cohMat_etaRoll { "CohFrictMat", "etaRoll" }, cohMat_alphaKr { "CohFrictMat", "alphaKr" };
 inline Member<bool> cohMat_momentRotationLaw { "CohFrictMat", "momentRotationLaw" };
 inline Member<Vector3r> box_extents { "Box", "extents" };
+inline Member<std::vector<Vector3r>> facet_vertices { "Facet", "vertices" };
 inline Member<int> wall_sense { "Wall", "sense" }, wall_axis { "Wall", "axis" };
 
 inline Member<int> interaction_id1 { "Interaction", "id1" }, interaction_id2 { "Interaction", "id2" };

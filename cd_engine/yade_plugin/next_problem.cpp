@@ -5,6 +5,10 @@
 namespace cd_engine {
 namespace {
 
+	const char* const inSpaceOnly
+	    = "ContactDynamics.exportProblem: the scene is solved in space, and only problems in the plane are written. Build the "
+	      "problem by cd_engine.core.SpaceBodyProblem";
+
 	// The fields of a BodyProblem, without contacts whose bodies cannot move along the normal.
 	py::tuple bodyArrays(const cd::ContactSystem<cd::Plane>& system)
 	{
@@ -41,17 +45,23 @@ py::tuple ContactDynamics::nextProblem()
 	}
 	yade::Scene* const now = Singleton<yade::Omega>::instance().getScene().get();
 	// Whatever has a memory is a copy here: this engine and the scene do not change.
-	const cd::StepSettings<cd::Plane> settings = this->settings(now);
+	if (inSpace)
+		throw SceneError(inSpaceOnly);
+	const cd::StepSettings<cd::Plane> settings = this->settings<cd::Plane>(now);
 	std::mutex alone;
 	std::vector<int> ids = referenceIds, order = bodyOrder;
 	std::vector<double> overlaps = referenceOverlaps;
 	double length = bodyOrderLength;
-	SceneLink copy;
+	SceneLink<cd::Plane> copy;
 	copy.stiffness = stiffnessSettings();
 	copy.mask = mask;
 	copy.world.apart = OtherEngines::maskOf(OtherEngines::colliderOf(now)); // `others` knows the list of the last step
 	copy.setValues(readPairValues());
-	copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
+	try {
+		copy.inspectScene(now, gravity, settings.dt, { { ids, overlaps }, { order, length }, alone }, checksOrder());
+	} catch (const LeavesPlane&) {
+		throw SceneError(inSpaceOnly);
+	}
 	if (copy.world.rolls())
 		throw SceneError(
 		    "ContactDynamics: a file cannot hold the rolling resistance of a CohFrictMat. Set etaRoll to 0 to export the problem "

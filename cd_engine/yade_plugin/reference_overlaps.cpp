@@ -16,17 +16,17 @@ namespace {
 
 } // namespace
 
-std::string SceneLink::behindWall(const cd::Pair& pair) const
+template <class Space> std::string SceneLink<Space>::behindWall(const cd::Pair& pair) const
 {
-	const cd::Shape& wall = world.shapes[pair.a];
-	const cd::Body &a = world.bodyOf(pair.a), &b = world.bodyOf(pair.b);
-	if (!isBoundary(a) || wall.kind != cd::ShapeKind::wall || wall.sense * (wall.axis == 0 ? b.x - a.x : b.y - a.y) >= 0)
+	const Shape& wall = world.shapes[pair.a];
+	const Body &a = world.bodyOf(pair.a), &b = world.bodyOf(pair.b);
+	if (!isBoundary(a) || wall.kind != cd::ShapeKind::wall || wall.sense * (centreOf(b) - centreOf(a))[wall.axis] >= 0)
 		return "";
 	return text("body #", pair.b, " is behind Wall #", pair.a, ", which with sense=", wall.sense, " has one side only and is solid behind it. ",
 	    "Move the body to the other side, or set O.bodies[", pair.a, "].shape.sense=0 for a wall of two sides");
 }
 
-double SceneLink::takeOverlaps()
+template <class Space> double SceneLink<Space>::takeOverlaps()
 {
 	double largest = 0;
 	std::vector<double> overlaps; // a refusal leaves the pairs as they are
@@ -36,7 +36,7 @@ double SceneLink::takeOverlaps()
 		double share = 0; // its overlap over the radius
 	} worst, unloaded;
 	for (const cd::Pair& pair : world.pairs) {
-		const cd::Place a = cd::placeAhead(world.bodyOf(pair.a), 0), b = cd::placeAhead(world.bodyOf(pair.b), 0);
+		const cd::PlaceOf<Space> a = placeAhead(world.bodyOf(pair.a), 0), b = placeAhead(world.bodyOf(pair.b), 0);
 		const double overlap = overlaps.emplace_back(std::max(0., cd::locateContact(a, b, world.shapes[pair.a]).overlap));
 		if (isGuided(world, pair))
 			continue;
@@ -65,20 +65,20 @@ double SceneLink::takeOverlaps()
 	return largest;
 }
 
-void SceneLink::forgetOverlaps()
+template <class Space> void SceneLink<Space>::forgetOverlaps()
 {
 	for (cd::Pair& pair : world.pairs)
 		pair.reference = 0;
 }
 
-const cd::Pair& SceneLink::deepest(const cd::TimeStep<cd::Plane>& step) const
+template <class Space> const cd::Pair& SceneLink<Space>::deepest(const TimeStep& step) const
 {
 	const std::vector<int32_t>& pairs = step.pairs();
 	const auto gap = [&](int32_t i) { return isGuided(world, world.pairs[i]) ? cd::endless : step.gapOf(world, i); };
 	return world.pairs[*std::min_element(pairs.begin(), pairs.end(), [&](int32_t i, int32_t k) { return gap(i) < gap(k); })];
 }
 
-void SceneLink::collectOverlaps(const ReferenceOverlaps& all) const
+template <class Space> void SceneLink<Space>::collectOverlaps(const ReferenceOverlaps& all) const
 {
 	std::vector<const cd::Pair*> kept;
 	for (const cd::Pair& pair : world.pairs)
@@ -118,5 +118,14 @@ void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::ve
 	ids.resize(2 * kept);
 	overlaps.resize(kept);
 }
+
+#define INSTANTIATE(Space)                                                                                                                           \
+	template std::string SceneLink<Space>::behindWall(const cd::Pair&) const;                                                                    \
+	template double SceneLink<Space>::takeOverlaps();                                                                                            \
+	template void SceneLink<Space>::forgetOverlaps();                                                                                            \
+	template const cd::Pair& SceneLink<Space>::deepest(const cd::TimeStep<Space>&) const;                                                        \
+	template void SceneLink<Space>::collectOverlaps(const ReferenceOverlaps&) const;
+INSTANTIATE(cd::Plane)
+INSTANTIATE(cd::Space3)
 
 } // namespace cd_engine

@@ -79,9 +79,18 @@ struct PairValues {
 	bool operator==(const PairValues& o) const { return en == o.en && frictAngle == o.frictAngle && restitution == o.restitution; }
 };
 
-class SceneLink {
+template <class Space> class SceneLink {
+	using World = cd::WorldOf<Space>;
+	using Body = cd::BodyOf<Space>;
+	using Shape = cd::ShapeOf<Space>;
+	using Vector = cd::VectorOf<Space>;
+	using Carried = typename Space::Carried;
+	using Sleepers = cd::Sleepers<Space>;
+	using Touch = cd::TouchOf<Space>;
+	using TimeStep = cd::TimeStep<Space>;
+
     public:
-	cd::World world; // bodies: at their ids; erased ids are immobile bodies without pairs
+	World world; // bodies: at their ids; erased ids are immobile bodies without pairs
 
 	StiffnessSettings stiffness; // to be set before the scene is read,
 	int mask = 0; // like this: ContactDynamics::mask
@@ -90,7 +99,7 @@ class SceneLink {
 	bool setValues(const PairValues&);
 	// Reads the scene, unless the scene is out of date. checksOrder: whether this step checks that the order of the bodies is still good.
 	// `margin`: the searchMargin. `outran`: StepReport::outran if a step is repeated, else empty.
-	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder, double margin, cd::TimeStep<cd::Plane>&,
+	void gather(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder, double margin, TimeStep&,
 	    const std::vector<double>& outran);
 	// The same without changing the scene, and with only the permanent external forces. Needs a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder);
@@ -99,20 +108,21 @@ class SceneLink {
 	// Forgets all reference overlaps: springs count gaps from geometric contact.
 	void forgetOverlaps();
 	// Turns the bodies by a step of dt. From then on the scene is out of date, until it is published.
-	void finishStep(cd::TimeStep<cd::Plane>&, double dt);
+	void finishStep(TimeStep&, double dt);
 	// Writes positions, velocities, interactions and O.forces after such a step. O.forces then holds the total on each body, gravity
 	// and contacts included, as YADE's own laws leave it, so that utils.unbalancedForce finds the resultant.
-	void publish(yade::Scene*, cd::TimeStep<cd::Plane>&);
+	void publish(yade::Scene*, TimeStep&);
 	// Writes positions and velocities of boundaries whose velocities others will set, and reads these before the next step.
 	void publishMotion(const std::vector<int>& ids);
 	bool areBoundaries(const std::vector<int>& ids) const;
 	bool cameIn(long step, int id) const { return bodies[id].came == step; }
 	// Like publish, without O.forces, if the scene is out of date. For a step that is given up.
-	void catchUp(yade::Scene*, cd::TimeStep<cd::Plane>&);
+	void catchUp(yade::Scene*, TimeStep&);
 	// Writes positions and velocities only, if the scene is out of date; needs no memory.
 	void saveMotion();
+	std::size_t bodyCount() const { return bodies.size(); }
 	// Its longestWay() tells how fast bodies are.
-	const cd::PairSearch& pairSearch() const { return search; }
+	const cd::PairSearchOf<Space>& pairSearch() const { return search; }
 	int lost() { return search.lost(world); }
 	// Whether the scene is out of date: steps have been made that are not published.
 	bool isUnpublished() const { return unpublished; }
@@ -123,57 +133,64 @@ class SceneLink {
 	// Whether somebody moves a boundary by its position.
 	bool boundariesPlaced() const { return placesBoundaries; }
 	// The pair that overlapped most in a step, beyond its reference overlap. The step must have had contacts.
-	const cd::Pair& deepest(const cd::TimeStep<cd::Plane>&) const;
+	const cd::Pair& deepest(const TimeStep&) const;
 	// If it is a disk behind a Wall that has only one side: a sentence for the user that says so. Else empty.
 	std::string behindWall(const cd::Pair&) const;
 
 	void warnOnce(const std::string& what, const std::string& remedy);
 	// Where a body is, for a message.
-	std::string placeOf(const cd::Body&) const;
+	std::string placeOf(const Body&) const;
 	// A vector of space as the core sees it, after the first step.
-	Vector3r toPlane(const Vector3r& v) const { return plane.toPlane(v); }
+	Vector3r toCore(const Vector3r& v) const { return frame.toCore(v); }
 
     private:
 	void checkScene(yade::Scene*, double dt);
 	void gatherBodies(yade::Scene*);
+	void findFrame(yade::BodyContainer&);
 	void findPlane(yade::BodyContainer&);
 	void findLayer(yade::BodyContainer&);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);
-	void readVelocity(int id, cd::Body&);
-	bool readShape(int id, cd::Body&);
-	bool readDisk(int id, cd::Body&);
-	bool readBox(int id, cd::Shape&);
-	bool readWall(int id, cd::Shape&);
+	void readVelocity(int id, Body&);
+	void readOrientation(int id);
+	bool readShape(int id, Body&);
+	bool readDisk(int id, Body&);
+	bool readBox(int id, Shape&);
+	bool readWall(int id, Shape&);
 	void readFriction(int id, void* mat);
 	void readRolling(int id, void* mat);
-	void warnOfPlacing(int id, double x, double y, long step);
-	void readMotion(int id, cd::Body&, yade::ForceContainer&);
-	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, cd::Sleepers<cd::Plane>&);
+	void warnOfPlacing(int id, const Vector& before, long step);
+	void readMotion(int id, Body&, yade::ForceContainer&);
+	void gatherPairs(yade::Scene*, const Memory&, bool read, bool searched, bool reordered, Sleepers&);
 	void warnOfUnheldBoundaries(double dt);
 	void keepPairs();
 	void takePairs(yade::Scene*);
 	void forget(yade::Interaction*) const;
 	void turn(std::size_t pair) const;
 	void takeReferences(const Memory&, bool all);
-	bool readForces(cd::Sleepers<cd::Plane>*);
-	cd::Carried readForce(std::size_t pair, bool turned);
+	bool readForces(Sleepers*);
+	bool holdsForce(std::size_t pair, bool turned);
+	Carried readForce(std::size_t pair, bool turned);
 	void setFriction(cd::Threads&);
-	void setStiffness(cd::Sleepers<cd::Plane>&);
+	void setStiffness(Sleepers&);
 	cd::Stiffness stiffnessOf(const cd::Pair&) const;
-	void setRolling(cd::Sleepers<cd::Plane>&);
+	void setRolling(Sleepers&);
 	cd::Rolling rollingOf(const cd::Pair&) const;
 	bool rolls(std::size_t pair) const { return world.rolls() && world.rollings[pair].bound > 0; }
-	cd::Touch touchAfterStep(std::size_t pair) const;
+	Touch touchAfterStep(std::size_t pair) const;
 	void setPairFriction();
 	void setRestitution();
 	void recycle(ForceObjects&&);
 	void makeReal(std::size_t pair);
 	void orient(int id);
-	void publishScene(yade::Scene*, const cd::TimeStep<cd::Plane>&);
+	void publishScene(yade::Scene*, const TimeStep&);
 	void insert(yade::InteractionContainer&, std::size_t pair);
 	void eraseParted(yade::Scene*);
-	void writeContact(std::size_t pair, const cd::Touch&);
+	void writeContact(std::size_t pair, const Touch&);
+	void writeVectors(std::size_t pair, const Touch&) const;
+	void writePlace(std::size_t id) const;
+	bool rotate(std::size_t id);
+	void addForces(yade::ForceContainer&, int id, const typename cd::Account<Space>::Impulse&) const;
 	void writeMotion(std::size_t id);
 
 	PairValues values;
@@ -187,9 +204,10 @@ class SceneLink {
 	bool anyRolls = false; // whether a body of the scene has a material that resists rolling
 	std::vector<KnownBody> bodies;
 	std::vector<std::array<double, 4>> orientations; // of the bodies: quaternions x, y, z, w
+	std::vector<std::array<cd::Vector3, 3>> corners; // of the facets, in their own axes [m]; empty if there are none
 	std::vector<int> gone; // ids whose body of the last step no longer exists or has been replaced
 	std::vector<Shared<yade::Interaction>> listed; // the scene's interactions in its own order, to notice changes
-	cd::PairSearch search;
+	cd::PairSearchOf<Space> search;
 	std::vector<yade::Interaction*> interactions; // of world.pairs; null: the pair has carried nothing yet
 	std::vector<ForceObjects> objects; // of world.pairs, as last read or published
 	std::vector<ForceObjects> pool, momentPool; // of pairs that no longer exist, for reuse; the second ones hold moments
@@ -204,10 +222,29 @@ class SceneLink {
 	bool finite = true; // whether the motion after the last step is finite
 	double lastDt = 0; // length of the last step [s]
 	Vector3r gravity = Vector3r::Zero(), pull = Vector3r::Zero(); // pull: gravity in the plane
-	ScenePlane plane;
+	typename FrameOf<Space>::Type frame;
 	double layer = 0; // where the plane of the disks is along its normal [m]
 	int layerId = -1; // the disk from which it was taken
 	bool outdated = true; // whether the pairs must be listed anew even if the scene's list is the same
 };
+
+// By hand for each space.
+#define CD_ENGINE_OF_SPACE(Space)                                                                                                                    \
+	template <> void SceneLink<Space>::findFrame(yade::BodyContainer&);                                                                          \
+	template <> void SceneLink<Space>::checkMotion(int);                                                                                         \
+	template <> void SceneLink<Space>::readOrientation(int);                                                                                     \
+	template <> bool SceneLink<Space>::readShape(int, cd::BodyOf<Space>&);                                                                       \
+	template <> void SceneLink<Space>::readMotion(int, cd::BodyOf<Space>&, yade::ForceContainer&);                                               \
+	template <> std::string SceneLink<Space>::placeOf(const cd::BodyOf<Space>&) const;                                                           \
+	template <> void SceneLink<Space>::orient(int);                                                                                              \
+	template <> Space::Carried SceneLink<Space>::readForce(std::size_t, bool);                                                                   \
+	template <> void SceneLink<Space>::writeVectors(std::size_t, const cd::TouchOf<Space>&) const;                                               \
+	template <> void SceneLink<Space>::writePlace(std::size_t) const;                                                                            \
+	template <> bool SceneLink<Space>::rotate(std::size_t);                                                                                      \
+	template <> void SceneLink<Space>::addForces(yade::ForceContainer&, int, const cd::Account<Space>::Impulse&) const;                          \
+	template <> cd::TouchOf<Space> SceneLink<Space>::touchAfterStep(std::size_t) const;
+CD_ENGINE_OF_SPACE(cd::Plane)
+CD_ENGINE_OF_SPACE(cd::Space3)
+#undef CD_ENGINE_OF_SPACE
 
 } // namespace cd_engine

@@ -1,7 +1,8 @@
-// The plane in which a scene lies, and how vectors of space stand in it.
+// The plane in which a scene lies, and how vectors of space stand in it; and the same for a scene in space, which is nothing.
 #pragma once
 
 #include "layout.hpp"
+#include "scene/scene.hpp"
 
 namespace cd_engine {
 
@@ -54,7 +55,7 @@ struct ScenePlane {
 		(k < 2 ? state_vel(state)[k == 0 ? x : y] : state_angVel(state)[normal]) = k < 2 ? v : turn * v;
 	}
 
-	Vector3r toPlane(const Vector3r& v) const { return { v[x], v[y], v[normal] }; }
+	Vector3r toCore(const Vector3r& v) const { return { v[x], v[y], v[normal] }; }
 	Vector3r toSpace(double alongX, double alongY, double out = 0) const
 	{
 		Vector3r v;
@@ -69,6 +70,33 @@ struct ScenePlane {
 	char letter(int axis) const { return "xyz"[axis]; }
 	// What a disk blocks that is kept in this plane.
 	const char* blocks() const { return normal == 2 ? "zXY" : normal == 1 ? "yXZ" : "xYZ"; }
+};
+
+// Whether the freedoms of a body let it leave every plane.
+inline bool keepsNoPlane(unsigned blockedDOFs)
+{
+	return !ScenePlane::across(0).keeps(blockedDOFs) && !ScenePlane::across(1).keeps(blockedDOFs) && !ScenePlane::across(2).keeps(blockedDOFs);
+}
+
+// A body can leave the plane in which the scene was solved until now: it is to be solved in space.
+struct LeavesPlane {
+	std::string what, remedy;
+};
+
+struct SceneSpace {
+	unsigned dof(int k) const { return 1u << k; }
+	double velocity(void* state, int k) const { return k < 3 ? state_vel(state)[k] : state_angVel(state)[k - 3]; }
+	void setVelocity(void* state, int k, double v) const { (k < 3 ? state_vel(state)[k] : state_angVel(state)[k - 3]) = v; }
+	Vector3r toCore(const Vector3r& v) const { return v; }
+	char letter(int axis) const { return "xyz"[axis]; }
+};
+
+template <class Space> struct FrameOf;
+template <> struct FrameOf<cd::Plane> {
+	using Type = ScenePlane;
+};
+template <> struct FrameOf<cd::Space3> {
+	using Type = SceneSpace;
 };
 
 } // namespace cd_engine

@@ -13,6 +13,17 @@ namespace {
 	constexpr double far = 4; // motion of two disks relative to each other in a step, in mean radii: from there on the user is warned
 	constexpr double shortStep = 1e-3; // over the time in which a disk moves or falls by its radius: below it O.dt is one for springs
 
+	cd::Vector velocity(const cd::Body& b) { return { b.v[0], b.v[1] }; }
+	cd::Vector3 velocity(const cd::SpaceBody& b) { return velocityOf(b); }
+	double acceleration(const cd::Body& b) { return std::hypot(b.force[0] * b.inverseMass[0], b.force[1] * b.inverseMass[1]); }
+	double acceleration(const cd::SpaceBody& b)
+	{
+		return length(cd::Vector3 { b.force[0] * b.inverseMass[0], b.force[1] * b.inverseMass[1], b.force[2] * b.inverseMass[2] });
+	}
+	// What the rotation of a body adds to its velocity at this arm.
+	cd::Vector turning(const cd::Body& b, cd::Vector arm) { return { -b.v[2] * arm.y, b.v[2] * arm.x }; }
+	cd::Vector3 turning(const cd::SpaceBody& b, const cd::Vector3& arm) { return cross(spinOf(b), arm); }
+
 } // namespace
 
 // Facts that this function of step_texts.py puts into words, with those that the attributes tell.
@@ -22,12 +33,13 @@ template <class... Facts> std::string ContactDynamics::words(const char* functio
 	return py::extract<std::string>(py::import("cd_engine.step_texts").attr(function)(py::ptr(this), scene_iter(scene), facts...));
 }
 
-void ContactDynamics::warnBeforeStep(double dt)
+template <class Space> void ContactDynamics::warnBeforeStep(double dt)
 {
-	warnOfLostBody();
-	warnOfSpeed(dt);
+	SceneLink<Space>& link = course<Space>().link;
+	warnOfLostBody<Space>();
+	warnOfSpeed<Space>(dt);
 	if (steps == 0)
-		warnOfShortStep(dt);
+		warnOfShortStep<Space>(dt);
 	if ((restitution > 0 || en.given()) && gapCorrection > 0 && gapVelocity)
 		link.warnOnce("restitution and gapCorrection with gapVelocity create energy: the velocity that removes an overlap takes part in "
 			      "later rebounds.",
@@ -51,30 +63,31 @@ void ContactDynamics::warnOfUnsolved()
 }
 
 // Prints one line a run, for the first body that leaves the scene.
-void ContactDynamics::warnOfLostBody()
+template <class Space> void ContactDynamics::warnOfLostBody()
 {
+	SceneLink<Space>& link = course<Space>().link;
 	const int id = warnedOfLost ? -1 : link.lost();
 	if (id < 0)
 		return;
 	warnedOfLost = true;
-	const cd::Body& body = link.world.bodies[id];
-	std::cerr << words("lost", id, link.placeOf(body), std::hypot(body.v[0], body.v[1])) << '\n';
+	const cd::BodyOf<Space>& body = link.world.bodies[id];
+	std::cerr << words("lost", id, link.placeOf(body), length(velocity(body))) << '\n';
 }
 
 // Prints one line a run if two bodies approach so fast that one may jump over the other: by more than the sum of their radii in half a step.
-void ContactDynamics::warnOfSpeed(double dt)
+template <class Space> void ContactDynamics::warnOfSpeed(double dt)
 {
+	const SceneLink<Space>& link = course<Space>().link;
 	if (warnedOfSpeed || !(2 * link.pairSearch().longestWay() > far))
 		return;
 	const auto& bodies = link.world.bodies;
 	for (const cd::Pair& pair : link.world.pairs) {
-		const auto speed = [&](int i) { return isBoundary(bodies[i]) ? -1 : std::hypot(bodies[i].v[0], bodies[i].v[1]); };
+		const auto speed = [&](int i) { return isBoundary(bodies[i]) ? -1 : length(velocity(bodies[i])); };
 		const int fast = speed(pair.a) >= speed(pair.b) ? pair.a : pair.b, other = pair.a + pair.b - fast; // fast is a disk
-		const cd::Body &a = bodies[fast], &b = bodies[other];
+		const cd::BodyOf<Space>&a = bodies[fast], &b = bodies[other];
 		// The way of the disk in a step relative to what the other body does at its place; 0 for two disks that part.
-		const double x = a.x - b.x, y = a.y - b.y, turning = isBoundary(b) ? b.v[2] : 0;
-		const double u = a.v[0] - b.v[0] + turning * y, v = a.v[1] - b.v[1] - turning * x;
-		const double way = !isBoundary(b) && x * u + y * v >= 0 ? 0 : dt * std::hypot(u, v);
+		const auto from = centreOf(a) - centreOf(b), u = velocity(a) - velocity(b) - (isBoundary(b) ? turning(b, from) : 0. * from);
+		const double way = !isBoundary(b) && dot(from, u) >= 0 ? 0 : dt * length(u);
 		if (!(way > far * (isBoundary(b) ? a.radius : (a.radius + b.radius) / 2)))
 			continue;
 		warnedOfSpeed = true;
@@ -84,12 +97,13 @@ void ContactDynamics::warnOfSpeed(double dt)
 }
 
 // Says at the first step if O.dt is one for springs. Where no force acts on the disks they may move as slowly as they like.
-void ContactDynamics::warnOfShortStep(double dt)
+template <class Space> void ContactDynamics::warnOfShortStep(double dt)
 {
+	SceneLink<Space>& link = course<Space>().link;
 	double pull = 0; // largest acceleration of a disk
-	for (const cd::Body& b : link.world.bodies)
+	for (const cd::BodyOf<Space>& b : link.world.bodies)
 		if (!isBoundary(b))
-			pull = std::max(pull, std::hypot(b.force[0] * b.inverseMass[0], b.force[1] * b.inverseMass[1]));
+			pull = std::max(pull, acceleration(b));
 	if (pull == 0 || dt == 1e-8) // which has a message of its own
 		return;
 	const double needed = std::min(1 / link.pairSearch().longestWay(), std::sqrt(cd::smallestRadius(link.world) / pull) / dt);
@@ -100,8 +114,9 @@ void ContactDynamics::warnOfShortStep(double dt)
 }
 
 // Prints a line where disks have sunk into each other by a hundredth of a radius, and again by a quarter. before: the deepest of all earlier steps.
-void ContactDynamics::warnOfPenetration(double before, bool takesOver)
+template <class Space> void ContactDynamics::warnOfPenetration(double before, bool takesOver)
 {
+	auto& [link, step] = course<Space>();
 	const double smallest = cd::smallestRadius(link.world), longest = link.pairSearch().longestWay();
 	const auto passes = [&](double share) { return before <= share * smallest && deepestPenetration > share * smallest; };
 	if (!((passes(deep) && !link.world.compliant()) || passes(veryDeep)) || warnedOfUnsolvable || link.boundariesPlaced())
@@ -114,5 +129,10 @@ void ContactDynamics::warnOfPenetration(double before, bool takesOver)
 	    smallest, longest, scene_dt(scene))
 		  << '\n';
 }
+
+template void ContactDynamics::warnBeforeStep<cd::Plane>(double);
+template void ContactDynamics::warnBeforeStep<cd::Space3>(double);
+template void ContactDynamics::warnOfPenetration<cd::Plane>(double, bool);
+template void ContactDynamics::warnOfPenetration<cd::Space3>(double, bool);
 
 } // namespace cd_engine

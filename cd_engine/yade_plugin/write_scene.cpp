@@ -36,11 +36,20 @@ namespace {
 		return (lowA.array() > highB.array()).any() || (lowB.array() > highA.array()).any();
 	}
 
+	Vector3r written(const cd::Vector3& v) { return { v.x, v.y, v.z }; }
+
+	// Renormalised, because round-off would grow over 1e6 steps.
+	std::array<double, 4> normalized(const std::array<double, 4>& q)
+	{
+		const double inverse = 1 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+		return { q[0] * inverse, q[1] * inverse, q[2] * inverse, q[3] * inverse };
+	}
+
 } // namespace
 
 // Keeps the objects of forgotten pairs, so that contacts that come and go allocate no memory. Objects that somebody else holds, or that springs have
 // made, are not kept, because stiffnesses stay with their pair.
-void SceneLink::recycle(ForceObjects&& o)
+template <class Space> void SceneLink<Space>::recycle(ForceObjects&& o)
 {
 	static Kind isPlainGeom { "ScGeom", Kind::exactly }, isPlainPhys { "FrictPhys", Kind::exactly };
 	static Kind isTurningGeom { "ScGeom6D", Kind::exactly }, isMomentPhys { "CohFrictPhys", Kind::exactly };
@@ -56,7 +65,7 @@ void SceneLink::recycle(ForceObjects&& o)
 }
 
 // Gives an interaction to a pair that carries something for the first time.
-void SceneLink::insert(yade::InteractionContainer& container, std::size_t index)
+template <class Space> void SceneLink<Space>::insert(yade::InteractionContainer& container, std::size_t index)
 {
 	const int a = world.pairs[index].a, b = world.pairs[index].b;
 	if (!container.find(a, b))
@@ -67,7 +76,7 @@ void SceneLink::insert(yade::InteractionContainer& container, std::size_t index)
 
 // Empties and erases the interactions of pairs that no longer exist. Those that the collider would keep, by the bounds that it knows, stay in the
 // list, because the collider notices only changes.
-void SceneLink::eraseParted(yade::Scene* scene)
+template <class Space> void SceneLink<Space>::eraseParted(yade::Scene* scene)
 {
 	auto& container = *scene_interactions(scene);
 	auto& all = *scene_bodies(scene);
@@ -87,7 +96,7 @@ void SceneLink::eraseParted(yade::Scene* scene)
 }
 
 // Gives an interaction the objects that hold its force: those from when it was last loaded, or others, in which every member is set anew.
-void SceneLink::makeReal(std::size_t index)
+template <class Space> void SceneLink<Space>::makeReal(std::size_t index)
 {
 	ForceObjects& o = objects[index];
 	const bool moment = rolls(index);
@@ -104,7 +113,7 @@ void SceneLink::makeReal(std::size_t index)
 	o.real = true;
 	interaction_geom(interactions[index]) = o.geom;
 	interaction_phys(interactions[index]) = o.phys;
-	const cd::Body &a = world.bodyOf(world.pairs[index].a), &b = world.bodyOf(world.pairs[index].b);
+	const Body &a = world.bodyOf(world.pairs[index].a), &b = world.bodyOf(world.pairs[index].b);
 	geom_refR1(o.geom) = isBoundary(a) ? b.radius : a.radius;
 	geom_refR2(o.geom) = b.radius;
 	geom_shearInc(o.geom) = Vector3r::Zero();
@@ -112,81 +121,135 @@ void SceneLink::makeReal(std::size_t index)
 }
 
 // The forces in YADE's signs: normalForce + shearForce act on the second body.
-void SceneLink::writeContact(std::size_t index, const cd::Touch& touch)
+template <class Space> void SceneLink<Space>::writeContact(std::size_t index, const Touch& touch)
 {
-	const cd::Carried& carried = world.carried[index];
 	assert(interaction_id1(interactions[index]) == world.pairs[index].a);
-	interaction_iterMadeReal(interactions[index]) = carried.since;
+	interaction_iterMadeReal(interactions[index]) = world.carried[index].since;
 	void *const g = objects[index].geom.get(), *const p = objects[index].phys.get();
-	geom_contactPoint(g) = plane.toSpace(touch.cx, touch.cy, layer);
 	geom_penetrationDepth(g) = touch.overlap;
 	phys_tangensOfFrictionAngle(p) = world.pairs[index].mu;
 	if (world.compliant()) {
 		phys_kn(p) = world.stiffnesses[index].kn;
 		phys_ks(p) = world.stiffnesses[index].kt;
 	}
-	geom_normal(g) = plane.toSpace(carried.nx, carried.ny);
-	phys_normalForce(p) = plane.toSpace(carried.fn[0], carried.fn[1]);
-	phys_shearForce(p) = plane.toSpace(carried.ft[0], carried.ft[1]);
+	writeVectors(index, touch);
+}
+
+template <> void SceneLink<cd::Plane>::writeVectors(std::size_t index, const cd::Touch& touch) const
+{
+	const cd::Carried& carried = world.carried[index];
+	void *const g = objects[index].geom.get(), *const p = objects[index].phys.get();
+	geom_contactPoint(g) = frame.toSpace(touch.cx, touch.cy, layer);
+	geom_normal(g) = frame.toSpace(carried.nx, carried.ny);
+	phys_normalForce(p) = frame.toSpace(carried.fn[0], carried.fn[1]);
+	phys_shearForce(p) = frame.toSpace(carried.ft[0], carried.ft[1]);
 	if (!objects[index].holdMoment)
 		return;
-	cohPhys_moment(p) = plane.torque(carried.moment);
+	cohPhys_moment(p) = frame.torque(carried.moment);
 	cohPhys_momentRotationLaw(p) = rolls(index);
 	cohPhys_maxRollPl(p) = rolls(index) ? world.rollings[index].bound : 0;
 	if (world.compliant() && rolls(index))
 		cohPhys_kr(p) = world.rollings[index].stiffness;
 }
 
+template <> void SceneLink<cd::Space3>::writeVectors(std::size_t index, const cd::SpaceTouch& touch) const
+{
+	const cd::SpaceCarried& carried = world.carried[index];
+	void *const g = objects[index].geom.get(), *const p = objects[index].phys.get();
+	geom_contactPoint(g) = written(touch.c);
+	geom_normal(g) = written(carried.n);
+	phys_normalForce(p) = written(carried.fn);
+	phys_shearForce(p) = written(carried.ft);
+}
+
 // Springs belong to the places at the end of the step; the normal is that of the force.
-cd::Touch SceneLink::touchAfterStep(std::size_t index) const
+template <> cd::Touch SceneLink<cd::Plane>::touchAfterStep(std::size_t index) const
 {
 	const cd::Pair& pair = world.pairs[index];
 	const cd::Place a = cd::placeAhead(world.bodyOf(pair.a), 0), b = cd::placeAhead(world.bodyOf(pair.b), 0);
 	return cd::touchAt(world.carried[index].nx, world.carried[index].ny, -cd::locateContact(a, b, world.shapes[pair.a]).overlap, b);
 }
 
-void SceneLink::writeMotion(std::size_t id)
+template <> cd::SpaceTouch SceneLink<cd::Space3>::touchAfterStep(std::size_t index) const
+{
+	const cd::Pair& pair = world.pairs[index];
+	const cd::SpacePlace a = placeAhead(world.bodyOf(pair.a), 0), b = placeAhead(world.bodyOf(pair.b), 0);
+	return cd::touchAt(world.carried[index].n, -cd::locateContact(a, b, world.shapes[pair.a]).overlap, b);
+}
+
+template <> void SceneLink<cd::Plane>::writePlace(std::size_t id) const
 {
 	void* const state = bodies[id].state;
-	const cd::Body& body = world.bodies[id];
-	state_pos(state)[plane.x] = body.x;
-	state_pos(state)[plane.y] = body.y;
-	// Blocked freedoms keep their velocity. Somebody may have blocked them, or set another velocity, meanwhile, at the console of a run.
-	const unsigned blocked = state_blockedDOFs(state);
-	for (int k = 0; k < cd::Plane::freedoms; k++)
-		if (body.inverseMass[k] > 0 && !(blocked & plane.dof(k)))
-			plane.setVelocity(state, k, body.v[k]);
+	state_pos(state)[frame.x] = world.bodies[id].x;
+	state_pos(state)[frame.y] = world.bodies[id].y;
 	const auto& o = orientations[id];
 	double* const q = &state_ori(state);
-	q[plane.x] = plane.turn * o[0];
-	q[plane.y] = plane.turn * o[1];
-	q[plane.normal] = plane.turn * o[2];
+	q[frame.x] = frame.turn * o[0];
+	q[frame.y] = frame.turn * o[1];
+	q[frame.normal] = frame.turn * o[2];
 	q[3] = o[3];
+}
+
+template <> void SceneLink<cd::Space3>::writePlace(std::size_t id) const
+{
+	state_pos(bodies[id].state) = written(world.bodies[id].at);
+	std::copy_n(orientations[id].data(), 4, &state_ori(bodies[id].state));
+}
+
+template <class Space> void SceneLink<Space>::writeMotion(std::size_t id)
+{
+	void* const state = bodies[id].state;
+	const Body& body = world.bodies[id];
+	writePlace(id);
+	// Blocked freedoms keep their velocity. Somebody may have blocked them, or set another velocity, meanwhile, at the console of a run.
+	const unsigned blocked = state_blockedDOFs(state);
+	for (int k = 0; k < Space::freedoms; k++)
+		if (body.inverseMass[k] > 0 && !(blocked & frame.dof(k)))
+			frame.setVelocity(state, k, body.v[k]);
 }
 
 // Applies the rotation of a step about the normal of the plane from the left. For the tiny rotations of quasi-static motion the first terms of the
 // series are exact.
-void SceneLink::finishStep(cd::TimeStep<cd::Plane>& step, double dt)
+template <> bool SceneLink<cd::Plane>::rotate(std::size_t id)
+{
+	const cd::Body& b = world.bodies[id];
+	const double half = 0.5 * b.turn, square = half * half;
+	if (half != 0) { // an erased body does not turn
+		auto& q = orientations[id];
+		const bool tiny = square < 1e-7;
+		const double s = tiny ? half * (1 - square / 6) : std::sin(half), c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
+		q = normalized({ c * q[0] - s * q[1], c * q[1] + s * q[0], c * q[2] + s * q[3], c * q[3] - s * q[2] });
+		if (isBoundary(b) && world.shapes[id].kind == cd::ShapeKind::box)
+			orient(static_cast<int>(id));
+	}
+	return (b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0;
+}
+
+// The same about any axis.
+template <> bool SceneLink<cd::Space3>::rotate(std::size_t id)
+{
+	const cd::SpaceBody& b = world.bodies[id];
+	const double square = 0.25 * dot(b.turn, b.turn);
+	if (square != 0) {
+		auto& q = orientations[id];
+		const bool tiny = square < 1e-7;
+		const double half = std::sqrt(square), share = 0.5 * (tiny ? 1 - square / 6 : std::sin(half) / half),
+			     c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
+		const cd::Vector3 axis = share * b.turn, of { q[0], q[1], q[2] }, now = c * of + q[3] * axis + cross(axis, of);
+		q = normalized({ now.x, now.y, now.z, c * q[3] - dot(axis, of) });
+		if (isBoundary(b))
+			orient(static_cast<int>(id));
+	}
+	const cd::Vector3 sum = b.at + velocityOf(b) + spinOf(b);
+	return (sum.x + sum.y + sum.z) * 0 == 0;
+}
+
+template <class Space> void SceneLink<Space>::finishStep(TimeStep& step, double dt)
 {
 	const auto turn = [&](std::size_t from, std::size_t to) {
 		bool all = true;
-		for (std::size_t id = from; id < to; id++) {
-			const cd::Body& b = world.bodies[id];
-			all = all && (b.x + b.y + b.v[0] + b.v[1] + b.v[2]) * 0 == 0;
-			const double half = 0.5 * b.turn, square = half * half;
-			if (half == 0) // an erased body does not turn
-				continue;
-			auto& q = orientations[id];
-			const bool tiny = square < 1e-7;
-			const double s = tiny ? half * (1 - square / 6) : std::sin(half),
-				     c = tiny ? 1 - square * (0.5 - square / 24) : std::cos(half);
-			const double x = c * q[0] - s * q[1], y = c * q[1] + s * q[0], z = c * q[2] + s * q[3], w = c * q[3] - s * q[2];
-			// Renormalised, because round-off would grow over 1e6 steps.
-			const double inverse = 1 / std::sqrt(x * x + y * y + z * z + w * w);
-			q = { x * inverse, y * inverse, z * inverse, w * inverse };
-			if (isBoundary(b) && world.shapes[id].kind == cd::ShapeKind::box)
-				orient(static_cast<int>(id));
-		}
+		for (std::size_t id = from; id < to; id++)
+			all = rotate(id) && all;
 		return all;
 	};
 	finite = cd::reduceRanges<bool>(&step.threads, bodies.size(), turn, std::logical_and<bool>());
@@ -194,7 +257,7 @@ void SceneLink::finishStep(cd::TimeStep<cd::Plane>& step, double dt)
 	unpublished = true;
 }
 
-void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep<cd::Plane>& step)
+template <class Space> void SceneLink<Space>::publishScene(yade::Scene* scene, const TimeStep& step)
 {
 	assert(interactions.size() == world.pairs.size() && objects.size() == world.pairs.size());
 	eraseParted(scene);
@@ -219,19 +282,19 @@ void SceneLink::publishScene(yade::Scene* scene, const cd::TimeStep<cd::Plane>& 
 	driven.clear();
 }
 
-bool SceneLink::areBoundaries(const std::vector<int>& ids) const
+template <class Space> bool SceneLink<Space>::areBoundaries(const std::vector<int>& ids) const
 {
 	return std::all_of(ids.begin(), ids.end(),
 	    [this](int id) { return id >= 0 && id < static_cast<int>(bodies.size()) && bodies[id].body && isBoundary(world.bodies[id]); });
 }
 
-void SceneLink::publishMotion(const std::vector<int>& ids)
+template <class Space> void SceneLink<Space>::publishMotion(const std::vector<int>& ids)
 {
 	for (const int id : driven = ids)
 		writeMotion(id);
 }
 
-void SceneLink::saveMotion()
+template <class Space> void SceneLink<Space>::saveMotion()
 {
 	for (std::size_t id = 0; unpublished && id < bodies.size(); id++) {
 		if (id + early < bodies.size())
@@ -241,7 +304,7 @@ void SceneLink::saveMotion()
 	}
 }
 
-void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep<cd::Plane>& step)
+template <class Space> void SceneLink<Space>::catchUp(yade::Scene* scene, TimeStep& step)
 {
 	if (!unpublished)
 		return;
@@ -249,24 +312,45 @@ void SceneLink::catchUp(yade::Scene* scene, cd::TimeStep<cd::Plane>& step)
 	publishScene(scene, step);
 }
 
-void SceneLink::publish(yade::Scene* scene, cd::TimeStep<cd::Plane>& step)
+// Adds what a body has got in the last step, its weight included.
+template <> void SceneLink<cd::Plane>::addForces(yade::ForceContainer& container, int id, const std::array<double, 3>& p) const
+{
+	const double* const w = world.bodies[id].inverseMass;
+	const double rate = 1 / lastDt, weight = w[0] > 0 || w[1] > 0 ? state_mass(bodies[id].state) : 0;
+	container.addForce(id, frame.toSpace(p[0] * rate + weight * pull[0], p[1] * rate + weight * pull[1]));
+	container.addTorque(id, frame.torque(p[2] * rate));
+}
+template <> void SceneLink<cd::Space3>::addForces(yade::ForceContainer& container, int id, const std::array<double, 6>& p) const
+{
+	const double* const w = world.bodies[id].inverseMass;
+	const double rate = 1 / lastDt, weight = w[0] > 0 || w[1] > 0 || w[2] > 0 ? state_mass(bodies[id].state) : 0;
+	container.addForce(id, Vector3r(rate * p[0] + weight * pull[0], rate * p[1] + weight * pull[1], rate * p[2] + weight * pull[2]));
+	container.addTorque(id, Vector3r(rate * p[3], rate * p[4], rate * p[5]));
+}
+
+template <class Space> void SceneLink<Space>::publish(yade::Scene* scene, TimeStep& step)
 {
 	assert(unpublished && lastDt > 0);
 	const auto& impulses = step.impulsesOn(world); // first, because it may find no memory
 	publishScene(scene, step);
 	auto& container = scene_forces(scene);
-	const double rate = 1 / lastDt;
-	for (std::size_t id = 0; id < world.bodies.size(); id++) {
-		if (!bodies[id].body)
-			continue;
-		const double* w = world.bodies[id].inverseMass;
-		const double weight = w[0] > 0 || w[1] > 0 ? state_mass(bodies[id].state) : 0;
-		const std::array<double, 3>& p = impulses[id];
-		container.addForce(static_cast<int>(id), plane.toSpace(p[0] * rate + weight * pull[0], p[1] * rate + weight * pull[1]));
-		container.addTorque(static_cast<int>(id), plane.torque(p[2] * rate));
-	}
+	for (std::size_t id = 0; id < world.bodies.size(); id++)
+		if (bodies[id].body)
+			addForces(container, static_cast<int>(id), impulses[id]);
 	// ForceResetter clears only the sums. What threads have added since the last sync would return in the next step.
 	container.sync();
 }
+
+#define INSTANTIATE(Space)                                                                                                                           \
+	template void SceneLink<Space>::recycle(ForceObjects&&);                                                                                     \
+	template void SceneLink<Space>::finishStep(cd::TimeStep<Space>&, double);                                                                    \
+	template void SceneLink<Space>::publish(yade::Scene*, cd::TimeStep<Space>&);                                                                 \
+	template void SceneLink<Space>::publishScene(yade::Scene*, const cd::TimeStep<Space>&);                                                      \
+	template void SceneLink<Space>::publishMotion(const std::vector<int>&);                                                                      \
+	template bool SceneLink<Space>::areBoundaries(const std::vector<int>&) const;                                                                \
+	template void SceneLink<Space>::catchUp(yade::Scene*, cd::TimeStep<Space>&);                                                                 \
+	template void SceneLink<Space>::saveMotion();
+INSTANTIATE(cd::Plane)
+INSTANTIATE(cd::Space3)
 
 } // namespace cd_engine

@@ -138,7 +138,7 @@ TEST_CASE("sweeps over contacts with rolling resistance reach the law, by each m
 			int rolls = 0, holds = 0;
 			for (const char* method : { "nsgs", "accelerated", "auto" }) {
 				ContactSystem<RollingPlane> s = problem;
-				const SolverReport report = findRollingSolver(method)(s, tests::to(1e-12));
+				const SolverReport report = findSolver<RollingPlane>(method)(s, tests::to(1e-12));
 				CHECK(report.status == Status::converged);
 				const Residual e = residual(s, free);
 				CHECK(e.error() < 2e-12);
@@ -161,5 +161,5 @@ TEST_CASE("sweeps over contacts with rolling resistance reach the law, by each m
 			}
 			useGroupKernel(used);
 		}
-	CHECK((findRollingSolver("newton") == nullptr));
+	CHECK((findSolver<RollingPlane>("newton") == nullptr));
 }

@@ -49,12 +49,12 @@ def test_a_new_list_after_an_error_in_a_step(O, fault):
     """YADE keeps a list that is set in the middle of a step for the next one, and an error leaves the step in its middle."""
     plane.disk_on_a_floor()
     if fault == "refused":
-        O.bodies[1].state.blockedDOFs = ""
+        O.bodies[1].state.mass = -1
     else:
         O.engines = O.engines + [wrapper.PyRunner(command="1/0", iterPeriod=1)]
     with pytest.raises(RuntimeError):
         O.run(3, True)
-    O.bodies[1].state.blockedDOFs = "zXY"
+    O.bodies[1].state.mass = 1
     O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
     O.run(5, True)
     assert O.engines[-1].steps >= 4 and O.engines[-1].converged

@@ -154,10 +154,6 @@ def test_pictures_films_and_the_watch(O, tmp_path):
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000 and (tmp_path / f"{name}.gif").stat().st_size > 10_000
 
 
-def spoil_freedoms(O):
-    O.bodies[-1].state.blockedDOFs = "zXY"
-
-
 def spoil_place(O):
     O.bodies[-1].state.pos += Vector3(0, 0.1, 0)
 
@@ -171,7 +167,6 @@ def spoil_box(O):
 
 
 @pytest.mark.parametrize("spoil, words", [
-    (spoil_freedoms, "body #44 is free to leave the x-z plane, in which the scene lies by the freedoms of its bodies.*'yXZ'"),
     (spoil_place, "body #44 has y = 0.1 m but body #5 has y = 0 m"), (spoil_spin, "body #44 moves out of the x-z plane.*x and z angular velocities"),
     (spoil_box, "body #1 is a box turned out of the plane.*about y only")])
 def test_what_contradicts_the_plane_is_refused(O, spoil, words):

@@ -56,6 +56,7 @@ template <class Space> void Rest::begin(const WorldOf<Space>& world, double dt)
 }
 
 template void Rest::begin(const WorldOf<Plane>&, double);
+template void Rest::begin(const WorldOf<Space3>&, double);
 
 int Rest::sweeps() const { return sleeping < islands && steps >= trialAt ? std::clamp(pause, fewestSweeps, mostSweeps) : 0; }
 
@@ -120,7 +121,10 @@ template <class Space> void IslandSolver<Space>::findAsleep(ContactSystem& syste
 {
 	for (Island& island : islands)
 		island.calm = true;
-	excite([&](int32_t i) { return std::any_of(std::begin(before[i].v), std::end(before[i].v), [](double v) { return v != 0; }); });
+	excite([&](int32_t i) { // a point of a boundary that turns is no body of the world
+		return static_cast<std::size_t>(i) >= before.size()
+		    || std::any_of(std::begin(before[i].v), std::end(before[i].v), [](double v) { return v != 0; });
+	});
 	if (std::none_of(islands.begin(), islands.end(), [](const Island& island) { return island.calm; }))
 		return;
 	system.contacts.make();
@@ -144,11 +148,11 @@ template <class Space>
 void IslandSolver<Space>::tryRest(ContactSystem& system, const Stillness& stillness, const SolverSettings& settings, Effort& effort)
 {
 	const std::vector<int>&loads = stillness.rest.loads, &before = stillness.rest.loadsBefore;
-	if (before.size() != system.bodies.size())
+	if (before.size() != loads.size())
 		return;
 	for (Island& island : islands)
 		island.calm = island.state != State::asleep && island.sweeps <= fewSweeps;
-	excite([&](int32_t body) { return loads[body] != before[body]; });
+	excite([&](int32_t body) { return static_cast<std::size_t>(body) >= loads.size() || loads[body] != before[body]; });
 	exciteFast(system, nullptr, settings.tolerance, slow);
 	const auto isCalm = [&](int32_t k) { return islands[k].calm; };
 	const auto countCalm
@@ -206,8 +210,11 @@ template <class Space> void IslandSolver<Space>::stop(ContactSystem& system, con
 }
 
 template void IslandSolver<Plane>::findAsleep(ContactSystem&, const std::vector<Body>&, double);
+template void IslandSolver<Space3>::findAsleep(ContactSystem&, const std::vector<Body>&, double);
 template void IslandSolver<Plane>::tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
+template void IslandSolver<Space3>::tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 template void IslandSolver<Plane>::stop(ContactSystem&, const Sleepers&, Effort&);
+template void IslandSolver<Space3>::stop(ContactSystem&, const Sleepers&, Effort&);
 template void IslandSolver<RollingPlane>::findAsleep(ContactSystem&, const std::vector<Body>&, double);
 template void IslandSolver<RollingPlane>::tryRest(ContactSystem&, const Stillness&, const SolverSettings&, Effort&);
 template void IslandSolver<RollingPlane>::stop(ContactSystem&, const Sleepers&, Effort&);

@@ -273,7 +273,9 @@ SolverReport IslandSolver<Space>::operator()(
 
 template SolverReport solveWhole(ContactSystem<Plane>&, Solver<Plane>, const SolverSettings&, Effort&);
 template SolverReport solveWhole(ContactSystem<RollingPlane>&, Solver<RollingPlane>, const SolverSettings&, Effort&);
+template SolverReport solveWhole(ContactSystem<Space3>&, Solver<Space3>, const SolverSettings&, Effort&);
 template class IslandSolver<Plane>;
 template class IslandSolver<RollingPlane>;
+template class IslandSolver<Space3>;
 
 } // namespace cd

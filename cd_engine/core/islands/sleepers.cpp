@@ -116,15 +116,15 @@ template <class Space> bool Sleepers<Space>::wakeDisturbed(World& world)
 
 template <class Space> void Sleepers<Space>::add(const World& world, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names)
 {
-	assert(names.size() == world.bodies.size() || found.empty());
+	assert(names.size() >= world.bodies.size() || found.empty());
 	assert(std::is_sorted(found.begin(), found.end()));
 	if (found.empty())
 		return;
 	changed = true;
-	of.resize(names.size(), awake);
+	of.resize(world.bodies.size(), awake);
 	for (const SleepingIsland& island : found)
 		of[island.name] = island.name;
-	for (std::size_t i = 0; i < names.size(); i++)
+	for (std::size_t i = 0; i < of.size(); i++)
 		if (of[names[i]] == names[i])
 			of[i] = names[i];
 	bodies = world.bodies;
@@ -141,5 +141,6 @@ template <class Space> auto Sleepers<Space>::boundaryImpulses() -> const std::ve
 }
 
 template class Sleepers<Plane>;
+template class Sleepers<Space3>;
 
 } // namespace cd

@@ -62,7 +62,8 @@ template <class Space> class Sleepers {
 	void add(const World&, const std::vector<SleepingIsland>& found, const std::vector<int32_t>& names);
 
 	bool none() const { return list.empty(); }
-	bool sleeps(int32_t body) const { return !none() && of[body] >= 0; }
+	// False for what is no body of the world.
+	bool sleeps(int32_t body) const { return !none() && static_cast<std::size_t>(body) < of.size() && of[body] >= 0; }
 	const std::vector<SleepingIsland>& islands() const { return list; } // sorted by name
 	// The sleeping island of a contact of these bodies; null: both are awake.
 	SleepingIsland* islandAt(int32_t a, int32_t b) { return sleeps(a) ? &islandOf(a) : sleeps(b) ? &islandOf(b) : nullptr; }

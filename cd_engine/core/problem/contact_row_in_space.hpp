@@ -40,12 +40,15 @@ template <> struct ContactRow<Space3> {
 	double armB() const { return bt; }
 	bool consistent() const { return std::abs(nx * nx + ny * ny + nz * nz - 1) < 1e-6 && !(mu < 0) && at >= 0 && bt >= 0; }
 
-	// wtt is the same in all directions: boundaries that can move do so along their normals or alike in all directions.
+	static double turning(const double* w) { return std::max({ w[3], w[4], w[5] }); }
+
+	// wtt holds for all directions where boundaries that can move do so along their normals or alike in all directions, and spheres turn freely.
+	// Elsewhere it is an estimate: impulses that sweeps do not change any more obey the law, whatever positive number stands here.
 	void assembleBlock(const BodyVelocity<Space3>& A, const BodyVelocity<Space3>& B)
 	{
 		const double all = A.w[0] + A.w[1] + A.w[2] + B.w[0] + B.w[1] + B.w[2];
 		wnn = compliance(A.w, B.w);
-		wtt = 0.5 * (all - wnn) + at * at * A.w[3] + bt * bt * B.w[3];
+		wtt = 0.5 * (all - wnn) + at * at * turning(A.w) + bt * bt * turning(B.w);
 		if (wnn > 0 && held(wnn, freedom(A.w, B.w)))
 			wnn = pn = px = py = pz = 0;
 	}

@@ -17,9 +17,9 @@ inline void setImpulse(ContactRow<Plane>& c, const Components<double>& p)
 	c.pn = p.n;
 	c.pt = p.t;
 }
+inline double tangentialSquare(const Components<double>& p) { return p.t * p.t; }
 inline bool isZero(const Components<double>& p) { return p.n == 0 && p.t == 0; }
 inline double length(const Components<double>& p) { return std::hypot(p.n, p.t); }
-inline double tangentialSquare(const Components<double>& p) { return p.t * p.t; }
 inline Friction<double> frictionOf(const ContactRow<Plane>& c) { return { c.mu }; }
 inline Spring<double> springOf(const ContactRow<Plane>& c) { return { c.cn, c.ct, c.slipBias }; }
 inline Motion<double&> velocityOf(BodyVelocity<Plane>& b) { return { b.v[0], b.v[1], b.v[2] }; }

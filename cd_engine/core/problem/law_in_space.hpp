@@ -14,6 +14,8 @@ inline void setImpulse(ContactRow<Space3>& c, const SpatialComponents<double>& p
 	c.py = p.y;
 	c.pz = p.z;
 }
+inline bool isZero(const SpatialComponents<double>& p) { return p.n == 0 && p.x == 0 && p.y == 0 && p.z == 0; }
+inline double length(const SpatialComponents<double>& p) { return std::sqrt(dot(p, p)); }
 inline Friction<double> frictionOf(const ContactRow<Space3>& c) { return { c.mu }; }
 inline SpatialSpring<double> springOf(const ContactRow<Space3>& c) { return { c.cn, c.ct, c.slipX, c.slipY, c.slipZ }; }
 inline SpatialMotion<double&> velocityOf(BodyVelocity<Space3>& b) { return { b.v[0], b.v[1], b.v[2], b.v[3], b.v[4], b.v[5] }; }
@@ -40,6 +42,11 @@ inline SpatialComponents<double> solveContact(const ContactRow<Space3>& c, const
 	assert(c.wnn > 0);
 	const double across = c.tt() > 0 ? 1 / c.tt() : 0;
 	return cut(SpatialComponents<double> { p.n - u.n / c.nn(), p.x - u.x * across, p.y - u.y * across, p.z - u.z * across }, frictionOf(c));
+}
+
+inline SpatialComponents<double> solveContact(const ContactRow<Space3>& c, const SpatialComponents<double>& u)
+{
+	return solveContact(c, u, { -0., -0., -0., -0. });
 }
 
 } // namespace cd

@@ -2,6 +2,10 @@
 #pragma once
 
 #include "scene/plane.hpp"
+#include "scene/vector.hpp"
+
+#include <algorithm>
+#include <iterator>
 
 namespace cd {
 
@@ -30,12 +34,16 @@ struct alignas(32) Mean {
 };
 static_assert(sizeof(Mean) == 32);
 
-// Whether a body is a box or a wall. Read from the radius, so that the shapes of disks stay out of the caches.
-inline bool isBoundary(const Body& b) { return b.radius == 0; }
-inline bool isBoundary(const Place& p) { return p.radius == 0; }
+inline Vector centreOf(const Body& b) { return { b.x, b.y }; }
+
+// Whether a body, or what stands at a place, is a box, a wall or a facet. Read from the radius, so that the shapes of disks stay out of the caches.
+template <class Of> bool isBoundary(const Of& b) { return b.radius == 0; }
 
 // Whether no force changes the motion of a body, so that it is known before the step is solved.
-inline bool isGuided(const Body& b) { return b.inverseMass[0] == 0 && b.inverseMass[1] == 0 && b.inverseMass[2] == 0; }
+template <class Body> bool isGuided(const Body& b)
+{
+	return std::all_of(std::begin(b.inverseMass), std::end(b.inverseMass), [](double w) { return w == 0; });
+}
 
 // Whether two bodies are alike but for their motion, masses and forces.
 inline bool samePlace(const Body& b, const Body& c) { return b.x == c.x && b.y == c.y && b.radius == c.radius && b.friction == c.friction; }

@@ -6,7 +6,11 @@ namespace cd {
 
 struct Body;
 struct Carried;
+struct Mean;
+struct Place;
 struct Shape;
+struct Touch;
+struct Vector;
 template <class N> struct Components; // law.inl
 template <class N> struct Motion;
 template <class N> struct RollingComponents; // law_rolling.inl
@@ -19,7 +23,11 @@ struct Plane {
 	using Motion = cd::Motion<double>; // velocity and angular velocity of a body, or the inverses of its masses
 	using Body = cd::Body;
 	using Carried = cd::Carried;
+	using Mean = cd::Mean;
+	using Place = cd::Place;
 	using Shape = cd::Shape;
+	using Touch = cd::Touch;
+	using Vector = cd::Vector;
 };
 
 // The plane, where contacts resist rolling: they have a third component, a moment (law_rolling.inl).
@@ -31,5 +39,8 @@ template <class Space> using ImpulseOf = typename Space::Impulse;
 template <class Space> using MotionOf = typename Space::Motion;
 template <class Space> using BodyOf = typename Space::Body;
 template <class Space> using ShapeOf = typename Space::Shape;
+template <class Space> using PlaceOf = typename Space::Place;
+template <class Space> using TouchOf = typename Space::Touch;
+template <class Space> using VectorOf = typename Space::Vector;
 
 } // namespace cd

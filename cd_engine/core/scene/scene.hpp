@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/contact_geometry.hpp"
+#include "scene/geometry_in_space.hpp"
 #include "scene/hidden_corners.hpp"
-#include "scene/space3.hpp"
+#include "scene/hidden_features.hpp"
 #include "scene/world.hpp"

@@ -13,7 +13,7 @@ namespace cd {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 
-enum class ShapeKind : uint8_t { disk, box, wall };
+enum class ShapeKind : uint8_t { disk, box, wall, facet }; // facet: in space only
 
 // The shape of a boundary. The radius in Body describes a disk completely.
 struct Shape {

@@ -3,6 +3,13 @@
 
 namespace cd {
 
+struct SpaceBody;
+struct SpaceCarried;
+struct SpaceMean;
+struct SpacePlace;
+struct SpaceShape;
+struct SpaceTouch;
+struct Vector3;
 template <class N> struct SpatialComponents; // law_in_space.inl
 template <class N> struct SpatialMotion;
 
@@ -12,6 +19,13 @@ struct Space3 {
 	static constexpr int components = 3; // of a position or a force
 	using Impulse = SpatialComponents<double>; // or a relative velocity
 	using Motion = SpatialMotion<double>; // velocity and angular velocity of a body, or the inverses of its masses
+	using Body = SpaceBody;
+	using Carried = SpaceCarried;
+	using Mean = SpaceMean;
+	using Place = SpacePlace;
+	using Shape = SpaceShape;
+	using Touch = SpaceTouch;
+	using Vector = Vector3;
 };
 
 } // namespace cd

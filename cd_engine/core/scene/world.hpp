@@ -65,6 +65,9 @@ using World = WorldOf<Plane>;
 
 // Whether no force can keep the two bodies of a pair apart. Such pairs have contacts, but their overlap means nothing: fixed disks that make a fixed
 // floor rough may be half sunk in it.
-inline bool isGuided(const World& world, const Pair& pair) { return isGuided(world.bodyOf(pair.a)) && isGuided(world.bodyOf(pair.b)); }
+template <class Space> bool isGuided(const WorldOf<Space>& world, const Pair& pair)
+{
+	return isGuided(world.bodyOf(pair.a)) && isGuided(world.bodyOf(pair.b));
+}
 
 } // namespace cd

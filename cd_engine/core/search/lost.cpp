@@ -8,50 +8,75 @@
 namespace cd {
 namespace {
 
-	// The smallest upright rectangle around some bodies.
-	struct Extent {
-		double low[Plane::components] = { endless, endless }, high[Plane::components] = { -endless, -endless };
+	double lengthOf(const double (&of)[2]) { return std::hypot(of[0], of[1]); }
+	double lengthOf(const double (&of)[3]) { return std::hypot(of[0], of[1], of[2]); }
+	double along(const Half& half, int axis) { return axis == 0 ? half.x : half.y; }
+	double along(const Vector3& half, int axis) { return half[axis]; }
+
+	// The smallest upright rectangle or box around some bodies.
+	template <class Space> struct Extent {
+		static constexpr int axes = Space::components;
+		double low[axes], high[axes];
+
+		Extent()
+		{
+			std::fill_n(low, axes, endless);
+			std::fill_n(high, axes, -endless);
+		}
 
 		bool empty() const { return low[0] > high[0]; }
-		double spread() const { return std::hypot(high[0] - low[0], high[1] - low[1]); }
+		double spread() const
+		{
+			double side[axes];
+			for (int k = 0; k < axes; k++)
+				side[k] = high[k] - low[k];
+			return lengthOf(side);
+		}
 
 		// Ignores boundaries without an end.
-		void add(const Body& b, const Shape& shape)
+		void add(const BodyOf<Space>& b, const ShapeOf<Space>& shape)
 		{
-			const Half half = halfSides(b, shape);
-			if (std::isinf(half.x) || std::isinf(half.y))
-				return;
-			const double place[] = { b.x, b.y }, side[] = { half.x, half.y };
-			for (int k = 0; k < Plane::components; k++) {
-				low[k] = std::min(low[k], place[k] - side[k]);
-				high[k] = std::max(high[k], place[k] + side[k]);
+			const auto half = halfSides(b, shape);
+			const auto place = centreOf(b);
+			for (int k = 0; k < axes; k++)
+				if (std::isinf(along(half, k)))
+					return;
+			for (int k = 0; k < axes; k++) {
+				low[k] = std::min(low[k], place[k] - along(half, k));
+				high[k] = std::max(high[k], place[k] + along(half, k));
 			}
 		}
 
 		// Whether a body is further away than the diagonal of the extent, moves away, and no force brings it back.
-		bool leaves(const Body& b) const
+		bool leaves(const BodyOf<Space>& b) const
 		{
 			constexpr double far = 50; // of its radii; what is less far may be part of a small scene
-			const double dx = b.x - std::clamp(b.x, low[0], high[0]), dy = b.y - std::clamp(b.y, low[1], high[1]);
-			return std::hypot(dx, dy) > std::max(spread(), far * b.radius) && dx * b.v[0] + dy * b.v[1] > 0
-			    && dx * b.force[0] + dy * b.force[1] >= 0;
+			const auto place = centreOf(b);
+			double away[axes], parts = 0, pulled = 0;
+			for (int k = 0; k < axes; k++) {
+				away[k] = place[k] - std::clamp(place[k], low[k], high[k]);
+				parts += away[k] * b.v[k];
+				pulled += away[k] * b.force[k];
+			}
+			return lengthOf(away) > std::max(spread(), far * b.radius) && parts > 0 && pulled >= 0;
 		}
 	};
 
 	// Whether it belongs to the scene's outline: a boundary, or a disk that is held in its place.
-	bool isOutline(const World& world, std::size_t i)
+	template <class Space> bool isOutline(const WorldOf<Space>& world, std::size_t i)
 	{
 		const double* const inverse = world.bodyOf(i).inverseMass;
-		return world.shapes[i].kind != ShapeKind::disk || (inverse[0] == 0 && inverse[1] == 0);
+		return world.shapes[i].kind != ShapeKind::disk || std::all_of(inverse, inverse + Space::components, [](double w) { return w == 0; });
 	}
 
 	// Whether a Wall, which has no end, lies where the force on a body leads, or its velocity if there is none.
-	bool comesToWall(const World& world, const Body& b)
+	template <class Space> bool comesToWall(const WorldOf<Space>& world, const BodyOf<Space>& b)
 	{
-		const double* const leads = b.force[0] != 0 || b.force[1] != 0 ? b.force : b.v;
+		const bool pushed = std::any_of(b.force, b.force + Space::components, [](double f) { return f != 0; });
+		const double* const leads = pushed ? b.force : b.v;
 		for (std::size_t i = 0; i < world.shapes.size(); i++) {
 			const int k = world.shapes[i].axis;
-			const double way = k == 0 ? world.bodyOf(i).x - b.x : world.bodyOf(i).y - b.y;
+			const double way = centreOf(world.bodyOf(i))[k] - centreOf(b)[k];
 			if (world.shapes[i].kind == ShapeKind::wall && world.masks[i] != 0 && way * leads[k] > 0)
 				return true;
 		}
@@ -60,19 +85,19 @@ namespace {
 
 } // namespace
 
-int leftBehind(const World& world, const std::vector<std::size_t>& some)
+template <class Space> int leftBehind(const WorldOf<Space>& world, const std::vector<std::size_t>& some)
 {
 	assert(world.shapes.size() == world.bodies.size() && world.masks.size() == world.shapes.size());
 	if (some.empty())
 		return -1;
 	const auto extentOf = [&world](auto belongs) {
-		Extent extent;
+		Extent<Space> extent;
 		for (std::size_t i = 0; i < world.shapes.size(); i++)
 			if (world.masks[i] != 0 && belongs(i)) // erased bodies have the mask 0
 				extent.add(world.bodyOf(i), world.shapes[i]);
 		return extent;
 	};
-	Extent scene = extentOf([&](std::size_t i) { return isOutline(world, i); });
+	Extent<Space> scene = extentOf([&](std::size_t i) { return isOutline(world, i); });
 	if (scene.empty())
 		scene = extentOf([&](std::size_t i) { return std::find(some.begin(), some.end(), i) == some.end(); });
 	if (scene.empty())
@@ -82,5 +107,8 @@ int leftBehind(const World& world, const std::vector<std::size_t>& some)
 	const auto lost = std::find_if(some.begin(), some.end(), isLost);
 	return lost == some.end() ? -1 : static_cast<int>(*lost);
 }
+
+template int leftBehind(const WorldOf<Plane>&, const std::vector<std::size_t>&);
+template int leftBehind(const WorldOf<Space3>&, const std::vector<std::size_t>&);
 
 } // namespace cd

@@ -13,7 +13,15 @@ namespace {
 	constexpr std::size_t fewestPlaces = 256; // more than any shape covers
 
 	// Cells that are neighbours along x get neighbouring slots; the rows are scattered (Knuth, vol. 3, section 6.4).
-	uint32_t placeOf(int32_t x, int32_t y) { return static_cast<uint32_t>(x) + static_cast<uint32_t>(y) * 0x9E3779B1u; }
+	uint32_t placeOf(int32_t x, const int32_t (&row)[1]) { return static_cast<uint32_t>(x) + static_cast<uint32_t>(row[0]) * 0x9E3779B1u; }
+	uint32_t placeOf(int32_t x, const int32_t (&row)[2])
+	{
+		return static_cast<uint32_t>(x) + (static_cast<uint32_t>(row[0]) * 0x85EBCA6Bu ^ static_cast<uint32_t>(row[1]) * 0x9E3779B1u);
+	}
+
+	// Half the sides of the bounding box along each axis.
+	double along(const Half& half, int axis) { return axis == 0 ? half.x : half.y; }
+	double along(const Vector3& half, int axis) { return half[axis]; }
 
 	double median(std::vector<double>& values)
 	{
@@ -22,29 +30,43 @@ namespace {
 		return *middle;
 	}
 
+	// Whether the surfaces of a boundary and a disk are further apart than `most`. In the plane their boxes decide, which may be nearer.
+	bool isFar(const Body&, const Shape&, const Body&, double) { return false; }
+	bool isFar(const SpaceBody& a, const SpaceShape& shape, const SpaceBody& b, double most)
+	{
+		const SpaceFoot foot = footOnBoundary(shape, b.at - a.at);
+		return foot.distance - b.radius > most;
+	}
+
 	bool mayTouch(int32_t p, int32_t q, int32_t apart) { return (p & q) != 0 && !(p == q && (p & apart) != 0); }
 
 } // namespace
 
-void NearPairs::find(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found)
+template <class Space> void NearPairsOf<Space>::find(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found)
 {
 	const std::size_t n = world.shapes.size();
 	assert(margins.size() == n && world.masks.size() == n);
 	boxes.resize(n);
-	for (auto& values : { &sides, &xs, &ys })
-		values->clear();
+	sides.clear();
+	for (std::vector<double>& of : coordinates)
+		of.clear();
 	std::size_t disks = 0;
 	for (std::size_t i = 0; i < n; i++) {
-		const Body& b = world.bodyOf(i);
-		const Half half = halfSides(b, world.shapes[i]);
-		const double x = half.x + margins[i], y = half.y + margins[i];
-		boxes[i] = { { b.x - x, b.y - y }, { b.x + x, b.y + y } };
-		if (const Shape& shape = world.shapes[i]; isBoundary(b) && shape.kind == ShapeKind::wall && shape.sense != 0)
+		const BodyOf<Space>& b = world.bodyOf(i);
+		const auto half = halfSides(b, world.shapes[i]);
+		const auto centre = centreOf(b);
+		boxes[i].large = false;
+		for (int k = 0; k < axes; k++) {
+			const double side = along(half, k) + margins[i];
+			boxes[i].low[k] = centre[k] - side;
+			boxes[i].high[k] = centre[k] + side;
+		}
+		if (const ShapeOf<Space>& shape = world.shapes[i]; isBoundary(b) && shape.kind == ShapeKind::wall && shape.sense != 0)
 			(shape.sense > 0 ? boxes[i].low : boxes[i].high)[shape.axis] = -shape.sense * endless; // solid on the whole of its other side
 		if (world.masks[i] != 0 && !isBoundary(b) && disks++ % (1 + n / sample) == 0) {
-			sides.push_back(2 * x);
-			xs.push_back(b.x);
-			ys.push_back(b.y);
+			sides.push_back(2 * (along(half, 0) + margins[i]));
+			for (int k = 0; k < axes; k++)
+				coordinates[k].push_back(centre[k]);
 		}
 	}
 	found.clear();
@@ -54,8 +76,8 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 		return;
 	// Medians of some disks, so that neither a giant body nor one far away makes the cells useless.
 	width = widthOfCells * median(sides);
-	origin[0] = median(xs);
-	origin[1] = median(ys);
+	for (int k = 0; k < axes; k++)
+		origin[k] = median(coordinates[k]);
 	for (std::size_t i = 0; i < n; i++)
 		if (world.masks[i] != 0)
 			enter(static_cast<int32_t>(i));
@@ -67,23 +89,46 @@ void NearPairs::find(const World& world, const std::vector<double>& margins, std
 				compare(world, margins, i, j, found);
 }
 
-int32_t NearPairs::cellOf(double at, int axis) const { return static_cast<int32_t>(std::clamp(std::floor((at - origin[axis]) / width), -1e9, 1e9)); }
+template <class Space> int32_t NearPairsOf<Space>::cellOf(double at, int axis) const
+{
+	return static_cast<int32_t>(std::clamp(std::floor((at - origin[axis]) / width), -1e9, 1e9));
+}
 
-void NearPairs::enter(int32_t shape)
+template <class Space> void NearPairsOf<Space>::enter(int32_t shape)
 {
 	Box& box = boxes[shape];
-	if (!((box.high[0] - box.low[0] + width) * (box.high[1] - box.low[1] + width) <= mostCells * width * width)) {
+	double cells = 1, most = mostCells; // [m^2] or [m^3], both
+	int32_t first[axes], last[axes];
+	for (int k = 0; k < axes; k++) {
+		cells *= box.high[k] - box.low[k] + width;
+		most *= width;
+	}
+	if (!(cells <= most)) {
 		box.large = true;
 		large.push_back(shape);
 		return;
 	}
-	const int32_t first[2] = { cellOf(box.low[0], 0), cellOf(box.low[1], 1) }, last[2] = { cellOf(box.high[0], 0), cellOf(box.high[1], 1) };
-	for (int32_t row = first[1]; row <= last[1]; row++)
-		entries.push_back({ box, row, first[1], shape, placeOf(first[0], row), placeOf(last[0], row) });
+	for (int k = 0; k < axes; k++) {
+		first[k] = cellOf(box.low[k], k);
+		last[k] = cellOf(box.high[k], k);
+	}
+	Entry e { box, {}, {}, shape, 0, 0 };
+	std::copy_n(first + 1, axes - 1, e.firstRow);
+	std::copy_n(first + 1, axes - 1, e.row);
+	while (e.row[axes - 2] <= last[axes - 1]) {
+		e.place = placeOf(first[0], e.row);
+		e.lastPlace = placeOf(last[0], e.row);
+		entries.push_back(e);
+		e.row[0]++;
+		for (int k = 0; k < axes - 2 && e.row[k] > last[k + 1]; k++) {
+			e.row[k] = first[k + 1];
+			e.row[k + 1]++;
+		}
+	}
 }
 
 // Counting sort by slot.
-void NearPairs::sortByPlace()
+template <class Space> void NearPairsOf<Space>::sortByPlace()
 {
 	std::size_t places = fewestPlaces;
 	while (places < entries.size())
@@ -106,7 +151,8 @@ void NearPairs::sortByPlace()
 		sorted[ends[e.place]++] = e;
 }
 
-void NearPairs::compareInRows(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found) const
+template <class Space>
+void NearPairsOf<Space>::compareInRows(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found) const
 {
 	const auto count = static_cast<uint32_t>(sorted.size());
 	for (uint32_t k = 0; k < count; k++) {
@@ -114,7 +160,7 @@ void NearPairs::compareInRows(const World& world, const std::vector<double>& mar
 		const auto compareWith = [&](uint32_t from, uint32_t to) {
 			for (uint32_t m = from; m < to; m++) {
 				const Entry& q = sorted[m];
-				if ((q.row == p.row) & (std::max(p.firstRow, q.firstRow) == p.row) & p.box.meets(q.box))
+				if (sharesFirst(p, q) & p.box.meets(q.box))
 					compare(world, margins, p.shape, q.shape, found);
 			}
 		};
@@ -125,21 +171,31 @@ void NearPairs::compareInRows(const World& world, const std::vector<double>& mar
 	}
 }
 
-void NearPairs::compare(const World& world, const std::vector<double>& margins, int32_t a, int32_t b, std::vector<NearPair>& found) const
+template <class Space>
+void NearPairsOf<Space>::compare(const World& world, const std::vector<double>& margins, int32_t a, int32_t b, std::vector<NearPair>& found) const
 {
 	constexpr double roundOff = 1e-12;
-	const Body &p = world.bodyOf(a), &q = world.bodyOf(b);
+	const BodyOf<Space>&p = world.bodyOf(a), &q = world.bodyOf(b);
 	if (isBoundary(p) && isBoundary(q))
 		return;
 	if (!isBoundary(p) && !isBoundary(q)) {
-		const double dx = p.x - q.x, dy = p.y - q.y, most = (p.radius + q.radius + margins[a] + margins[b]) * (1 + roundOff);
-		if (dx * dx + dy * dy > most * most)
+		const double most = (p.radius + q.radius + margins[a] + margins[b]) * (1 + roundOff);
+		if (const auto way = centreOf(p) - centreOf(q); dot(way, way) > most * most)
 			return;
 	}
 	if (!mayTouch(world.masks[a], world.masks[b], world.apart))
 		return;
+	if (isBoundary(p) || isBoundary(q)) {
+		const int32_t boundary = isBoundary(p) ? a : b, disk = isBoundary(p) ? b : a;
+		if (isFar(world.bodyOf(boundary), world.shapes[boundary], world.bodyOf(disk),
+			margins[a] + margins[b] + roundOff * world.bodyOf(disk).radius))
+			return;
+	}
 	const bool turned = !isBoundary(p) && (isBoundary(q) || b < a);
 	found.push_back(turned ? NearPair { 0, b, a } : NearPair { 0, a, b });
 }
+
+template class NearPairsOf<Plane>;
+template class NearPairsOf<Space3>;
 
 } // namespace cd

@@ -17,11 +17,28 @@ namespace {
 	// Largest margin, in its radii, that a slow disk gets because others are fast.
 	constexpr double hitRadius = 0.5;
 
+	double moved(const Body& b, const Place& seen)
+	{
+		const double x = b.x - seen.x, y = b.y - seen.y;
+		return std::sqrt(x * x + y * y);
+	}
+	double moved(const SpaceBody& b, const SpacePlace& seen) { return length(b.at - seen.at); }
+
+	// How far the outline of a boundary has moved by turning, at most; infinite if it is another shape.
+	double turnedWay(const Shape& now, const Shape& then)
+	{
+		if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
+			return endless;
+		if (now.kind != ShapeKind::box)
+			return 0;
+		return std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
+	}
+
 } // namespace
 
 // Chooses margins that last for several steps. Those of the few fastest disks last as long as that of the next fastest, which may be far slower. If
 // some bodies are fast, slow ones get a margin for the impact that they may suffer.
-void PairSearch::chooseMargins(const World& world)
+template <class Space> void PairSearchOf<Space>::chooseMargins(const World& world)
 {
 	const std::size_t count = world.shapes.size();
 	quick.clear();
@@ -55,24 +72,16 @@ void PairSearch::chooseMargins(const World& world)
 }
 
 // The part of its margin that a body has used up by moving [m]; infinite if its radius, mask or shape has changed.
-inline double PairSearch::used(const World& world, std::size_t i) const
+template <class Space> double PairSearchOf<Space>::used(const World& world, std::size_t i) const
 {
-	const Body& b = world.bodyOf(i);
+	const BodyOf<Space>& b = world.bodyOf(i);
 	if (b.radius != seen[i].radius || world.masks[i] != seenMasks[i])
 		return endless;
-	const double x = b.x - seen[i].x, y = b.y - seen[i].y;
-	double way = std::sqrt(x * x + y * y);
-	if (isBoundary(b)) {
-		const Shape &now = world.shapes[i], &then = seenShapes[i];
-		if (now.kind != then.kind || now.ex != then.ex || now.ey != then.ey || now.axis != then.axis || now.sense != then.sense)
-			return endless;
-		if (now.kind == ShapeKind::box)
-			way += std::hypot(now.ex, now.ey) * (std::abs(now.cosine - then.cosine) + std::abs(now.sine - then.sine));
-	}
-	return way;
+	return isBoundary(b) ? moved(b, seen[i]) + turnedWay(world.shapes[i], seenShapes[i]) : moved(b, seen[i]);
 }
 
-bool PairSearch::needed(World& world, double dt, double leastMargin, const std::vector<double>& outran, Threads* threads)
+template <class Space>
+bool PairSearchOf<Space>::needed(World& world, double dt, double leastMargin, const std::vector<double>& outran, Threads* threads)
 {
 	const std::size_t count = world.shapes.size();
 	assert(
@@ -88,7 +97,7 @@ bool PairSearch::needed(World& world, double dt, double leastMargin, const std::
 	const auto measure = [&](std::size_t from, std::size_t to) {
 		Seen all;
 		for (std::size_t i = from; i < to; i++) {
-			const Body& b = world.bodyOf(i);
+			const BodyOf<Space>& b = world.bodyOf(i);
 			const bool joins = world.masks[i] != 0;
 			ways[i] = joins ? wayOf(b, world.shapes[i], dt) : 0;
 			needs[i] = joins ? reachOf(b, ways[i]) : 0;
@@ -113,7 +122,7 @@ bool PairSearch::needed(World& world, double dt, double leastMargin, const std::
 	return !known || beyond >= 0;
 }
 
-void PairSearch::find(World& world, const std::vector<int>& rank)
+template <class Space> void PairSearchOf<Space>::find(World& world, const std::vector<int>& rank)
 {
 	assert(world.firstContact.empty() && needs.size() == world.shapes.size() && (rank.empty() || rank.size() == world.shapes.size()));
 	chooseMargins(world);
@@ -139,11 +148,14 @@ void PairSearch::find(World& world, const std::vector<int>& rank)
 	}
 }
 
-int PairSearch::lost(const World& world)
+template <class Space> int PairSearchOf<Space>::lost(const World& world)
 {
 	const int id = leftBehind(world, quick);
 	quick.clear();
 	return id;
 }
+
+template class PairSearchOf<Plane>;
+template class PairSearchOf<Space3>;
 
 } // namespace cd

@@ -11,7 +11,9 @@ namespace cd {
 
 // Each shape has its own margin, up to which pairs are listed. The list stays complete until the shapes have used up their margins by moving. A fast
 // one has a wide margin, which does not widen those of others. Further pairs in the list do not change the result (pair_order.hpp).
-class PairSearch {
+template <class Space> class PairSearchOf {
+	using World = WorldOf<Space>;
+
     public:
 	// Whether the list may lack a pair that this step needs, with the bodies as they are now; else fills World::listed. least: the margin of slow
 	// bodies as a fraction of the smallest radius. outran: StepReport::outran if a step is repeated, else empty.
@@ -55,19 +57,20 @@ class PairSearch {
 	std::vector<std::size_t> quick; // the fastest disks
 	// At the last search:
 	std::vector<double> margins;
-	std::vector<Place> seen;
-	std::vector<Shape> seenShapes;
+	std::vector<PlaceOf<Space>> seen;
+	std::vector<ShapeOf<Space>> seenShapes;
 	std::vector<int32_t> seenMasks;
 	int32_t seenApart = 0;
-	NearPairs nearPairs;
+	NearPairsOf<Space> nearPairs;
 	std::vector<NearPair> near, before; // the pairs of the last search and of the one before, in order
 	std::vector<int32_t> origin, gone;
 };
+using PairSearch = PairSearchOf<Plane>;
 
-// The first of the shapes `some` that has left the scene, -1: none. A body has left if it is further from the smallest rectangle around the scene
-// than the diagonal of this rectangle and than 50 of its own radii, if it moves away, and if no force or Wall brings it back. The scene is the
-// boundaries, fixed disks among them, and the disks that do not leave these; without boundaries of finite size, all bodies but `some`. So a whole
-// group that leaves is noticed. Looks at all bodies if `some` is not empty.
-int leftBehind(const World&, const std::vector<std::size_t>& some);
+// The first of the shapes `some` that has left the scene, -1: none. A body has left if it is further from the smallest rectangle, in space the
+// smallest box, around the scene than its diagonal and than 50 of its own radii, if it moves away, and if no force or Wall brings it back. The scene
+// is the boundaries, fixed disks among them, and the disks that do not leave these; without boundaries of finite size, all bodies but `some`. So a
+// whole group that leaves is noticed. Looks at all bodies if `some` is not empty.
+template <class Space> int leftBehind(const WorldOf<Space>&, const std::vector<std::size_t>& some);
 
 } // namespace cd

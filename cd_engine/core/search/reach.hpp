@@ -20,7 +20,7 @@ namespace contact_limits {
 // The farthest from its outline that a body may meet others in a step [m]. way: the distance that it moves in the step (wayOf) [m]. A pair becomes a
 // contact only if its gap is at most the sum of the reaches of both bodies: each of the two limits above is at most that, for any partner. Adds the
 // half way that each body moves before contact is looked at.
-inline double reachOf(const Body& b, double way)
+template <class Body> double reachOf(const Body& b, double way)
 {
 	using namespace contact_limits;
 	const double most = mostWays * way;

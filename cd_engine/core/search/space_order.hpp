@@ -16,6 +16,6 @@ struct SpaceOrder {
 // Makes the order anew if there is none for this number of bodies or, with `checks`, if the path through the disks is now twice as long: about two
 // diameters from disk to disk. It depends only on the bodies and the order before, so a saved run continues as if it had not been saved. Scenes of
 // few bodies keep their own numbers. Returns true if the order has changed. Costs about 100 ns a disk when made, 2 ns when only checked.
-bool renewOrder(const World&, const SpaceOrder&, bool checks);
+template <class Space> bool renewOrder(const WorldOf<Space>&, const SpaceOrder&, bool checks);
 
 } // namespace cd

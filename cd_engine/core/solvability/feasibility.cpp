@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 namespace cd {
@@ -27,29 +28,57 @@ namespace {
 			to[i] += factor * what[i];
 	}
 
-	// The normal relative velocity of a contact for three numbers a body.
+	// The normal relative velocity of a contact for the freedoms of each body.
 	template <class Space> double normalVelocity(const ContactRow<Space>& c, const std::vector<double>& v)
 	{
-		return relativeVelocity<false>(c, motionOf<Plane>(&v[3 * c.a]), motionOf<Plane>(&v[3 * c.b])).n;
+		return relativeVelocity<false>(c, motionOf<Space>(&v[Space::freedoms * c.a]), motionOf<Space>(&v[Space::freedoms * c.b])).n;
+	}
+
+	// What a unit impulse along the normal does: on a and on b, along each of their freedoms.
+	void normalActions(const ContactRow<Plane>& c, double (&of)[2][3])
+	{
+		const double arms[2][3] = { { -c.nx, -c.ny, -c.an }, { c.nx, c.ny, c.bn } };
+		std::memcpy(of, arms, sizeof arms);
+	}
+	void normalActions(const ContactRow<Space3>& c, double (&of)[2][6])
+	{
+		const double arms[2][6] = { { -c.nx, -c.ny, -c.nz, 0, 0, 0 }, { c.nx, c.ny, c.nz, 0, 0, 0 } };
+		std::memcpy(of, arms, sizeof arms);
+	}
+
+	// Adds to the velocity of a point what the rotation of a body about another point gives it.
+	void turnAlong(std::array<double, 2> arm, double* v)
+	{
+		if (v[2] == 0)
+			return;
+		v[0] -= v[2] * arm[1];
+		v[1] += v[2] * arm[0];
+	}
+	void turnAlong(std::array<double, 3> arm, double* v)
+	{
+		const Vector3 turned = cross(vectorOf(v + 3), vectorOf(arm.data()));
+		for (int k = 0; k < 3; k++)
+			v[k] += turned[k];
 	}
 
 	// The velocities at which blocked freedoms move as they do, and all others along with `boundary` as one rigid body; -1: they rest.
 	template <class Space>
 	void moveAlong(const ContactSystem<Space>& s, int32_t boundary, const std::vector<double>& free, std::vector<double>& v)
 	{
+		constexpr int n = Space::freedoms;
 		v = free;
 		for (std::size_t i = 0; i < s.bodies.size(); i++) {
-			double along[3] = { 0, 0, 0 };
+			double along[n] = {};
 			if (boundary >= 0) {
-				std::copy_n(&free[3 * static_cast<std::size_t>(boundary)], 3, along);
-				if (along[2] != 0) {
-					along[0] -= along[2] * (s.places[i][1] - s.places[boundary][1]);
-					along[1] += along[2] * (s.places[i][0] - s.places[boundary][0]);
-				}
+				std::copy_n(&free[n * static_cast<std::size_t>(boundary)], n, along);
+				std::array<double, Space::components> arm {};
+				for (int k = 0; k < Space::components && !s.places.empty(); k++)
+					arm[k] = s.places[i][k] - s.places[boundary][k];
+				turnAlong(arm, along);
 			}
-			for (int k = 0; k < 3; k++)
+			for (int k = 0; k < n; k++)
 				if (s.bodies[i].w[k] > 0)
-					v[3 * i + k] = along[k];
+					v[n * i + k] = along[k];
 		}
 	}
 
@@ -58,6 +87,7 @@ namespace {
 	    public:
 		template <class Space> void read(const ContactSystem<Space>& s, const std::vector<double>& free)
 		{
+			constexpr int n = Space::freedoms;
 			clear(free.size());
 			moveAlong(s, -1, free, v);
 			for (std::size_t i = 0; i < s.contacts.size(); i++) {
@@ -65,12 +95,12 @@ namespace {
 				if (!(c.wnn > 0))
 					continue;
 				const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
-				double terms = std::abs(c.bias);
-				const double arms[2][3] = { { -c.nx, -c.ny, -c.an }, { c.nx, c.ny, c.bn } };
+				double terms = std::abs(c.bias), arms[2][n];
+				normalActions(c, arms);
 				for (const int side : { 0, 1 })
-					for (int k = 0; k < 3; k++) {
-						const int32_t unknown = 3 * (side == 0 ? c.a : c.b) + k;
-						const double w = s.bodies[unknown / 3].w[k];
+					for (int k = 0; k < n; k++) {
+						const int32_t unknown = n * (side == 0 ? c.a : c.b) + k;
+						const double w = s.bodies[unknown / n].w[k];
 						if (w > 0)
 							entry(unknown, arms[side][k] * std::sqrt(w / c.wnn));
 						else
@@ -276,6 +306,7 @@ template <class Space> Feasibility feasibility(const ContactSystem<Space>& s, co
 }
 template Feasibility feasibility(const ContactSystem<Plane>&, const std::vector<double>&, double, int);
 template Feasibility feasibility(const ContactSystem<RollingPlane>&, const std::vector<double>&, double, int);
+template Feasibility feasibility(const ContactSystem<Space3>&, const std::vector<double>&, double, int);
 Feasibility feasibility(const DelassusSystem& s, double least, int products)
 {
 	const Borrowed<LeastSquares> search(s.memory);
@@ -299,6 +330,7 @@ template <class Space> bool surelySolvable(const ContactSystem<Space>& s, Thread
 }
 template bool surelySolvable(const ContactSystem<Plane>&, Threads*);
 template bool surelySolvable(const ContactSystem<RollingPlane>&, Threads*);
+template bool surelySolvable(const ContactSystem<Space3>&, Threads*);
 
 template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity)
 {
@@ -309,14 +341,19 @@ template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s,
 		double fastest = 0;
 		for (const ContactRow<Space>& c : s.contacts)
 			if (c.wnn > 0) {
-				const double size = sizeOf(c, c.bias, motionOf<Plane>(&v[3 * c.a]), motionOf<Plane>(&v[3 * c.b]));
+				constexpr int n = Space::freedoms;
+				const double size = sizeOf<double>(c, c.bias, motionOf<Space>(&v[n * c.a]), motionOf<Space>(&v[n * c.b]));
 				fastest = std::max(fastest, -(normalVelocity(c, v) + c.bias) - roundOff * size);
 			}
 		return fastest;
 	};
+	const auto turns = [&](int32_t i) {
+		const double* const v = &freeVelocity[Space::freedoms * i];
+		return std::any_of(v + Space::components, v + Space::freedoms, [](double spin) { return spin != 0; });
+	};
 	for (const ContactRow<Space>& c : s.contacts)
 		for (const int32_t i : { c.a, c.b })
-			if (c.wnn > 0 && s.bodies[i].w[0] == 0 && s.bodies[i].w[1] == 0 && (freeVelocity[3 * i + 2] == 0 || !s.places.empty())) {
+			if (c.wnn > 0 && inverseMass(s.bodies[i]) == 0 && (!turns(i) || !s.places.empty())) {
 				const double alongside = closing(i);
 				return alongside > 0 ? std::min(alongside, closing(-1)) : 0;
 			}
@@ -324,5 +361,6 @@ template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s,
 }
 template double closingOfBoundaries(const ContactSystem<Plane>&, const std::vector<double>&);
 template double closingOfBoundaries(const ContactSystem<RollingPlane>&, const std::vector<double>&);
+template double closingOfBoundaries(const ContactSystem<Space3>&, const std::vector<double>&);
 
 } // namespace cd

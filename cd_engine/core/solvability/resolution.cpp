@@ -62,21 +62,23 @@ namespace {
 
 template <class Space> Resolution resolution(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity)
 {
-	assert(freeVelocity.size() == 3 * s.bodies.size());
+	assert(freeVelocity.size() == Space::freedoms * s.bodies.size());
 	Sum sum;
 	for (std::size_t i = 0; i < s.contacts.size(); i++) {
 		const ContactRow<Space>& c = s.contacts[i];
 		if (!(c.wnn > 0))
 			continue;
+		constexpr int n = Space::freedoms;
 		const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
-		const double free = relativeVelocity<false>(c, motionOf<Plane>(&freeVelocity[3 * c.a]), motionOf<Plane>(&freeVelocity[3 * c.b])).n;
-		const double size = sizeOf(c, c.bias, motionOf<Plane>(s.bodies[c.a].v), motionOf<Plane>(s.bodies[c.b].v));
+		const double free = relativeVelocity<false>(c, motionOf<Space>(&freeVelocity[n * c.a]), motionOf<Space>(&freeVelocity[n * c.b])).n;
+		const double size = sizeOf<double>(c, c.bias, motionOf<Space>(s.bodies[c.a].v), motionOf<Space>(s.bodies[c.b].v));
 		sum.add(static_cast<int32_t>(i), c.wnn, un + c.bias, free + c.bias, size, c.pn, tangentialSquare(impulseOf(c)));
 	}
 	return sum.result();
 }
 template Resolution resolution(const ContactSystem<Plane>&, const std::vector<double>&);
 template Resolution resolution(const ContactSystem<RollingPlane>&, const std::vector<double>&);
+template Resolution resolution(const ContactSystem<Space3>&, const std::vector<double>&);
 
 Resolution resolution(const DelassusSystem& s)
 {
@@ -127,9 +129,9 @@ template <class Space> double energyGain(const ContactSystem<Space>& s, const st
 {
 	double after = 0, before = 0; // twice the energies [J]
 	for (std::size_t i = 0; i < s.bodies.size(); i++)
-		for (int k = 0; k < 3; k++)
+		for (int k = 0; k < Space::freedoms; k++)
 			if (const double w = s.bodies[i].w[k]; w > 0) {
-				const double v = s.bodies[i].v[k], free = freeVelocity[3 * i + k];
+				const double v = s.bodies[i].v[k], free = freeVelocity[Space::freedoms * i + k];
 				after += v * v / w;
 				before += free * free / w;
 			}
@@ -137,5 +139,6 @@ template <class Space> double energyGain(const ContactSystem<Space>& s, const st
 }
 template double energyGain(const ContactSystem<Plane>&, const std::vector<double>&);
 template double energyGain(const ContactSystem<RollingPlane>&, const std::vector<double>&);
+template double energyGain(const ContactSystem<Space3>&, const std::vector<double>&);
 
 } // namespace cd

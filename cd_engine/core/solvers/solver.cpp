@@ -40,7 +40,7 @@ namespace {
 	{
 		s.contacts.make();
 		for (ContactRow<Space>& c : s.contacts)
-			setImpulse(c, {});
+			setImpulse(c, ImpulseOf<Space> {});
 	}
 
 	template <class Space> void makeRows(ContactSystem<Space>& s) { s.contacts.make(); }
@@ -198,15 +198,17 @@ namespace {
 		Solver<RollingPlane> rollingSolver = nullptr;
 		DelassusSolver delassusSolver = nullptr;
 		ConeSolver coneSolver = nullptr;
+		Solver<Space3> spaceSolver = nullptr;
 	};
+	template <Method<ContactSystem<RollingPlane>> method> constexpr Solver<RollingPlane> rolling = solved<ContactSystem<RollingPlane>, method>;
+	template <Method<ContactSystem<Space3>> method> constexpr Solver<Space3> inSpace = solved<ContactSystem<Space3>, method>;
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<ContactSystem<RollingPlane>, nsgs>, solved<DelassusSystem, nsgs>,
-		    solved<ConeSystem, nsgs> },
-		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<ContactSystem<RollingPlane>, accelerated>,
-		    solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated> },
+		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, rolling<nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs>, inSpace<nsgs> },
+		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, rolling<accelerated>, solved<DelassusSystem, accelerated>,
+		    solved<ConeSystem, accelerated>, inSpace<accelerated> },
 		{ "newton", solved<ContactSystem<Plane>, newton>, nullptr, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
-		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<ContactSystem<RollingPlane>, accelerated>,
-		    solved<DelassusSystem, automatic>, solved<ConeSystem, automatic> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, rolling<accelerated>, solved<DelassusSystem, automatic>,
+		    solved<ConeSystem, automatic>, inSpace<accelerated> },
 	};
 
 	const Entry& find(const std::string& method)
@@ -218,8 +220,9 @@ namespace {
 
 } // namespace
 
-Solver<Plane> findSolver(const std::string& method) { return find(method).solver; }
-Solver<RollingPlane> findRollingSolver(const std::string& method) { return find(method).rollingSolver; }
+template <> Solver<Plane> findSolver<Plane>(const std::string& method) { return find(method).solver; }
+template <> Solver<RollingPlane> findSolver<RollingPlane>(const std::string& method) { return find(method).rollingSolver; }
+template <> Solver<Space3> findSolver<Space3>(const std::string& method) { return find(method).spaceSolver; }
 DelassusSolver findDelassusSolver(const std::string& method) { return find(method).delassusSolver; }
 ConeSolver findConeSolver(const std::string& method) { return find(method).coneSolver; }
 

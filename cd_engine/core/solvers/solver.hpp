@@ -87,8 +87,11 @@ std::string solvedBy(const std::string& method, const SolverReport&);
 
 // Null if there is no such method. What they return as converged resolves the velocities, too (resolution.hpp): if the error alone is within the
 // tolerance, they go on to smaller ones. Under fixedIterations nothing of this is done.
-Solver<Plane> findSolver(const std::string& method);
-Solver<RollingPlane> findRollingSolver(const std::string& method); // null for newton, too, which knows no moments: auto leaves them to sweeps
+// In space, and where contacts resist rolling, there is no newton for bodies, and auto is accelerated.
+template <class Space = Plane> Solver<Space> findSolver(const std::string& method);
+template <> Solver<Plane> findSolver(const std::string& method);
+template <> Solver<RollingPlane> findSolver(const std::string& method);
+template <> Solver<Space3> findSolver(const std::string& method);
 DelassusSolver findDelassusSolver(const std::string& method);
 ConeSolver findConeSolver(const std::string& method);
 std::vector<std::string> solverNames();

@@ -13,7 +13,6 @@
 #include <cstring>
 #include <functional>
 #include <optional>
-#include <type_traits>
 
 namespace cd {
 
@@ -24,26 +23,25 @@ class Start {
 	    : threads(t)
 	    , kept(s.memory)
 	{
-		velocities.resize(3 * s.bodies.size());
+		velocities.resize(Space::freedoms * s.bodies.size());
 		if (s.contacts.solvedBeside()) // else the source of postponed rows still knows the guess
 			s.contacts.make();
-		setSource(s.contacts.postponed());
+		source = s.contacts.postponed();
 		std::atomic<bool> driven { false };
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++) {
-				std::memcpy(&velocities[3 * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
+				std::memcpy(&velocities[Space::freedoms * i], s.bodies[i].v, sizeof s.bodies[i].v); // std::copy_n would be a call
 				if (isDriven(s.bodies[i]))
 					driven = true;
 			}
 		});
-		constexpr std::size_t each = numbers<Space>;
-		impulses.resize(source ? 0 : each * s.contacts.size());
-		forRanges(threads, impulses.size() / each, [&](std::size_t from, std::size_t to) { // postponed contacts push nothing
+		impulses.resize(source ? 0 : numbers<Space> * s.contacts.size());
+		forRanges(threads, impulses.size() / numbers<Space>, [&](std::size_t from, std::size_t to) { // postponed contacts push nothing
 			bool pushed = false;
 			for (std::size_t i = from; i < to; i++) {
 				const ContactRow<Space>& c = s.contacts[i];
 				const ImpulseOf<Space> p = impulseOf(c);
-				std::memcpy(&impulses[each * i], &p, sizeof p);
+				std::memcpy(&impulses[numbers<Space> * i], &p, sizeof p);
 				pushed = pushed || !(c.bias >= 0);
 			}
 			if (pushed)
@@ -71,7 +69,7 @@ class Start {
 	{
 		forRanges(threads, s.bodies.size(), [&](std::size_t from, std::size_t to) {
 			for (std::size_t i = from; i < to; i++)
-				std::memcpy(s.bodies[i].v, &velocities[3 * i], sizeof s.bodies[i].v);
+				std::memcpy(s.bodies[i].v, &velocities[Space::freedoms * i], sizeof s.bodies[i].v);
 		});
 	}
 	void free(DelassusSystem&) const { } // it has no velocities
@@ -91,7 +89,7 @@ class Start {
 			s.p[i / 3][i % 3] = impulses[i];
 	}
 
-	const std::vector<double>& freeVelocity() const { return velocities; } // three a body; none for a matrix
+	const std::vector<double>& freeVelocity() const { return velocities; } // the freedoms of each body; none for a matrix
 
 	// Of the guess: sqrt(sum W_nn |p|^2).
 	template <class Space> double weight(const ContactSystem<Space>& s) const
@@ -123,24 +121,21 @@ class Start {
 	bool solvable = false; // surelySolvable()
 
     private:
-	template <class Space> static constexpr std::size_t numbers = sizeof(ImpulseOf<Space>) / sizeof(double); // of an impulse
+	template <class Space> static constexpr std::size_t numbers = sizeof(ImpulseOf<Space>) / sizeof(double); // that an impulse has
 
-	void setSource(const RowSource<Plane>* of) { source = of; }
-	template <class Space> void setSource([[maybe_unused]] const RowSource<Space>* of) { assert(!of); }
 	template <class Space> ImpulseOf<Space> guessOf(std::size_t i) const
 	{
-		if constexpr (std::is_same_v<Space, Plane>)
-			if (source)
-				return impulseOf(source->row(static_cast<int32_t>(i)));
+		if (source)
+			return impulseOf(static_cast<const RowSource<Space>*>(source)->row(static_cast<int32_t>(i)));
 		ImpulseOf<Space> p;
 		std::memcpy(&p, &impulses[numbers<Space> * i], sizeof p);
 		return p;
 	}
 
 	Threads* const threads;
-	const RowSource<Plane>* source = nullptr; // of the guess, while the rows were not made
+	const void* source = nullptr; // the RowSource of the guess, while the rows were not made
 	struct State {
-		std::vector<double> velocities, impulses; // three a body, none for a matrix; two or three a contact
+		std::vector<double> velocities, impulses; // the freedoms of a body, none for a matrix; what an impulse has
 	};
 	Borrowed<State> kept;
 	std::vector<double>&velocities = kept->velocities, &impulses = kept->impulses;

@@ -256,8 +256,9 @@ bool ContactFinder<Plane>::addClosing(const StepView<Plane>& step)
 	return true;
 }
 
-void ContactFinder<Plane>::locateAll(const World& world, const std::vector<Place>& places)
+void ContactFinder<Plane>::locateAll(const World& world, const BodyMotion<Plane>& motion)
 {
+	const std::vector<Place>& places = motion.places();
 	overlaps.clear();
 	for (const Pair& pair : world.pairs)
 		overlaps.push_back(locateContact(places[pair.a], places[pair.b], world.shapes[pair.a]).overlap);

@@ -22,12 +22,12 @@ template <> class ContactFinder<Plane> {
 	// impact may spread from body to body. Returns whether there were such pairs.
 	bool addClosing(const StepView<Plane>&);
 	// Finds the overlaps at these places, up to round-off those of an earlier step.
-	void locateAll(const World&, const std::vector<Place>&);
+	void locateAll(const World&, const BodyMotion<Plane>&);
 	// Where the contact of a pair that carries a force touched at these places, at which it was located last.
-	Touch touchOf(const World& world, std::size_t pair, const std::vector<Place>& places) const
+	Touch touchOf(const World& world, std::size_t pair, const BodyMotion<Plane>& motion) const
 	{
 		const Carried& carried = world.carried[pair];
-		return touchAt(carried.nx, carried.ny, -overlaps[pair], places[world.pairs[pair].b]);
+		return touchAt(carried.nx, carried.ny, -overlaps[pair], motion.places()[world.pairs[pair].b]);
 	}
 	void forgetSeparated() { apart.clear(); }
 

@@ -8,26 +8,24 @@
 // because the next step goes on with what is left. Where nothing overlaps they cost nothing, and elsewhere most contacts have no part.
 #pragma once
 
-#include "step/contact_finder.hpp"
+#include "step/finder_in_space.hpp"
 
 namespace cd {
 
-template <class Space> class OverlapCorrection;
-
-template <> class OverlapCorrection<Plane> {
+template <class Space> class OverlapCorrection {
     public:
-	using Row = ContactRow<Plane>;
+	using Row = ContactRow<Space>;
 	// Whether a contact of the step overlaps so much that the correction reads the rows.
-	static bool isDue(const World&, const StepSettings<Plane>&, const ContactFinder<Plane>&);
+	static bool isDue(const WorldOf<Space>&, const StepSettings<Space>&, const ContactFinder<Space>&);
 	// To be called after the bodies have moved. Returns whether it has moved any.
-	bool operator()(World&, const StepView<Plane>&, const ContactFinder<Plane>&, const std::vector<Row>&);
+	bool operator()(WorldOf<Space>&, const StepView<Space>&, const ContactFinder<Space>&, const std::vector<Row>&);
 
     private:
-	void sweep(const Row&, std::size_t contact, const std::vector<BodyVelocity<Plane>>& masses);
+	void sweep(const Row&, std::size_t contact, const std::vector<BodyVelocity<Space>>& masses);
 
 	std::vector<double> least; // of each contact: c [m]
 	std::vector<double> multiplier; // [kg m]
-	std::vector<Motion<double>> displacement; // of the bodies [m], [rad]
+	std::vector<MotionOf<Space>> displacement; // of the bodies [m], [rad]
 };
 
 } // namespace cd

@@ -55,12 +55,12 @@ template <class Space> bool Rebounds<Space>::giveUp(ContactSystem& system, int32
 template <class Space>
 bool Rebounds<Space>::lower(ContactSystem& system, const std::vector<BodyOf<Space>>& before, double dt, double tolerance, bool atOnce)
 {
-	assert(before.size() == system.bodies.size() && dt > 0 && tolerance >= 0);
+	assert(before.size() <= system.bodies.size() && dt > 0 && tolerance >= 0);
 	constexpr int all = static_cast<int>(std::size(shares));
 	findIslands(system);
 	for (Balance& balance : balances)
 		balance.sinceBefore = balance.sinceFree = balance.scale = balance.energy = 0;
-	for (std::size_t i = 0; i < system.bodies.size(); i++) {
+	for (std::size_t i = 0; i < before.size(); i++) { // what comes after them moves as prescribed
 		const BodyVelocity<Space>& body = system.bodies[i];
 		Balance& balance = balances[partition.name[i]];
 		for (int k = 0; k < Space::freedoms; k++) {
@@ -102,5 +102,6 @@ bool Rebounds<Space>::lower(ContactSystem& system, const std::vector<BodyOf<Spac
 }
 
 template class Rebounds<Plane>;
+template class Rebounds<Space3>;
 
 } // namespace cd

@@ -130,7 +130,7 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 	while (!attempt(world, step, report)) { }
 	if (report.solver.status != Status::diverged && report.outran.empty()) { // else nothing is changed
 		if (const int32_t i = report.solver.contact; i >= 0)
-			report.unsolvable = { system.contacts[i].a, system.contacts[i].b };
+			report.unsolvable = { world.pairs[finder.pairs()[i]].a, world.pairs[finder.pairs()[i]].b };
 		report.contacts = static_cast<int>(finder.pairs().size());
 		report.maxPenetration = finder.deepest();
 		report.dissipated += report.effort.stopped;
@@ -144,7 +144,8 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 			system.contacts.make();
 		if (world.compliant())
 			report.damped = BodyMotion<Space>::damped(world, system.bodies, threads);
-		account.book(world, step, finder, builder, system.contacts, rolling.rows(), sleepers, report);
+		rolling.showTo(account);
+		account.book(world, step, finder, builder, system.contacts, sleepers, report);
 		rest.plan(report.effort);
 		report.idle = !motion.finish(world, settings.dt, system.bodies, threads) && finder.pairs().empty();
 		if (corrects && correction(world, step, finder, system.contacts.all()))
@@ -157,9 +158,10 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 template <class Space> void TimeStep<Space>::locateBack(const World& world, double dt)
 {
 	motion.placeBack(world, dt);
-	finder.locateAll(world, motion.places());
+	finder.locateAll(world, motion);
 }
 
 template class TimeStep<Plane>;
+template class TimeStep<Space3>;
 
 } // namespace cd

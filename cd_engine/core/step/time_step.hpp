@@ -1,7 +1,7 @@
 // One step of the Moreau-Jean scheme.
 #pragma once
 
-#include "step/account.hpp"
+#include "step/account_in_space.hpp"
 #include "step/overlap_correction.hpp"
 #include "step/rolling_resistance.hpp"
 
@@ -46,7 +46,7 @@ template <class Space> class TimeStep {
 	// Finds the places and overlaps of the last step of dt anew, up to round-off, if a later step was given up and has left its own.
 	void locateBack(const World&, double dt);
 	// Where a pair that carries a force touched when a step last located it.
-	auto touchOf(const World& world, std::size_t pair) const { return finder.touchOf(world, pair, motion.places()); }
+	auto touchOf(const World& world, std::size_t pair) const { return finder.touchOf(world, pair, motion); }
 	double gapOf(const World& world, std::size_t pair) const { return finder.gap(world, pair); } // [m]
 	// The pairs whose reference overlap ended in the last step.
 	const std::vector<int32_t>& overlapsForgotten() const { return finder.separated(); }
@@ -54,7 +54,7 @@ template <class Space> class TimeStep {
 	// when somebody asks, so before the next step begins. world: as that step has left it.
 	const std::vector<typename Account::Impulse>& impulsesOn(const World& world)
 	{
-		return account.impulses(world, finder, motion, system.contacts, rolling.rows());
+		return account.impulses(world, finder, motion, system.contacts);
 	}
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
 	bool sparedRows() const { return account.sparedRows(); }

@@ -169,7 +169,7 @@ void PathIndependentShear::remember(const Spring& c, double force)
 // The slip of a disk on something else. The law functor has taken its trial force, S - k_s (shearInc . t), back to the limit.
 void PathIndependentShear::countSlip(const Spring& c, bool isNew)
 {
-	const Vector3r moved = plane.toPlane(geom_shearInc(c.geom));
+	const Vector3r moved = plane.toCore(geom_shearInc(c.geom));
 	if (isNew || c.known < pairForces.size()) {
 		double trial = (isNew ? 0 : pairForces[c.known]) - phys_ks(c.phys) * (c.n[0] * moved[1] - c.n[1] * moved[0]);
 		clip(trial, c);
@@ -192,12 +192,12 @@ bool PathIndependentShear::exchange(yade::Interaction* interaction)
 		refuse(pairName(id1, id2) + " has " + className(geom) + " and " + className(phys),
 		    "It needs ScGeom with FrictPhys (Law2_ScGeom_FrictPhys_CundallStrack) or FrictViscoPhys "
 		    "(Law2_ScGeom_FrictViscoPhys_CundallStrackVisco)");
-	const Vector3r n = plane.toPlane(geom_normal(geom));
+	const Vector3r n = plane.toCore(geom_normal(geom));
 	if (n[2] != 0 && ofDisks)
 		refuse(pairName(id1, id2) + " has a normal out of the plane", "Put all disks in one plane, and block what would take them out of it");
 
 	Vector3r& shear = phys_shearForce(phys);
-	const Vector3r old = plane.toPlane(shear);
+	const Vector3r old = plane.toCore(shear);
 	// A contact made in this step is new, even if the same pair had one in the step before. (O.resetTime() may leave iterMadeReal in the future.)
 	const bool isNew = interaction_iterMadeReal(interaction) == scene_iter(scene);
 	const Spring c { geom, phys, id1, id2, n, n[0] * old[1] - n[1] * old[0], phys_tangensOfFrictionAngle(phys) * phys_normalForce(phys).norm(),

@@ -1,0 +1,218 @@
+#include "step/finder_in_space.hpp"
+#include "search/search.hpp"
+
+#include <cassert>
+
+namespace cd {
+namespace {
+
+	using namespace contact_limits;
+
+	SpaceMeeting meet(const SpacePlace& a, const SpacePlace& b, const SpaceShape& shape)
+	{
+		const SpaceFoot foot = locateFoot(a, b, shape);
+		return { foot.n, b.radius - foot.distance };
+	}
+
+	// The velocity change along n that a unit impulse along n on a sphere causes [1/kg]; 0: it cannot move so.
+	double mobility(const BodyVelocity<Space3>& b, const Vector3& n)
+	{
+		const double along = b.w[0] * n.x * n.x + b.w[1] * n.y * n.y + b.w[2] * n.z * n.z;
+		return ContactRow<Space3>::held(along, b.w[0] + b.w[1] + b.w[2]) ? 0 : along;
+	}
+
+	bool mayClose(const StepView<Space3>& step, const Pair& pair, double gap)
+	{
+		const double radius = step.smallerRadius(pair), beyond = gap - nearby * radius;
+		if (beyond > mostWays * step.motion.ways(pair))
+			return false;
+		if (beyond <= pushed * radius)
+			return true;
+		const double before = step.relativeSpeed(pair, step.world.bodies[pair.a].v, step.world.bodies[pair.b].v);
+		const double free = step.relativeSpeed(pair, step.bodies[pair.a].v, step.bodies[pair.b].v);
+		return beyond <= soon * step.dt() * std::max(before, free) + pushed * radius;
+	}
+
+} // namespace
+
+bool ContactFinder<Space3>::isHidden(const StepView<Space3>& step, std::size_t pair) const
+{
+	return features.isHidden({ step.world, step.motion.places(), step.motion.shapes(), meetings }, pair, step.dt());
+}
+
+// Whether a pair is closed, or would be closed within the step by its velocities before the step or by its free velocities.
+bool ContactFinder<Space3>::closes(const StepView<Space3>& step, std::size_t index, double gap) const
+{
+	if (gap <= 0)
+		return true;
+	const Pair& pair = step.world.pairs[index];
+	const SpaceTouch at = touch(step, index);
+	const double before = step.approach(pair, at, step.world.bodies[pair.a].v, step.world.bodies[pair.b].v);
+	const double free = step.approach(pair, at, step.bodies[pair.a].v, step.bodies[pair.b].v);
+	return gap + step.turning(pair, at.n, gap) + step.dt() * std::min(before, free) <= 0;
+}
+
+void ContactFinder<Space3>::locate(const StepView<Space3>& step)
+{
+	const WorldOf<Space3>& world = step.world;
+	constexpr std::size_t ahead = 16;
+	forRanges(&step.threads, world.awake.size(), [&](std::size_t from, std::size_t to) {
+		const SpacePlace* const places = step.motion.places().data();
+		for (std::size_t k = from; k < to; k++) {
+			if (k + ahead < to) {
+				__builtin_prefetch(&places[world.pairs[world.awake[k + ahead]].a]);
+				__builtin_prefetch(&places[world.pairs[world.awake[k + ahead]].b]);
+			}
+			const int32_t i = world.awake[k];
+			const Pair& pair = world.pairs[i];
+			meetings[i] = meet(places[pair.a], places[pair.b], step.shape(pair.a));
+		}
+	});
+}
+
+// Finds which of the pairs are contacts. Lists these from `from` on.
+ContactFinder<Space3>::Found ContactFinder<Space3>::choose(const StepView<Space3>& step, std::size_t from, std::size_t to)
+{
+	const WorldOf<Space3>& world = step.world;
+	const bool bounces = step.settings.restitution > 0;
+	Found found;
+	int32_t* next = found.first = pairOf.data() + from;
+	for (; from < to; from++) {
+		const int32_t i = world.awake[from];
+		const Pair& pair = world.pairs[i];
+		const double overlap = meetings[i].overlap;
+		double gap = pair.reference > 0 && overlap <= 0 ? -overlap : pair.reference - overlap;
+		bool isOne = (gap <= nearby * step.smallerRadius(pair) || mayClose(step, pair, gap)) && (!bounces || closes(step, i, gap));
+		if (isOne && isHidden(step, i)) {
+			gap = endless;
+			isOne = false;
+		}
+		found.same = found.same && contact[i] == isOne;
+		contact[i] = isOne;
+		*next = i;
+		next += isOne;
+		(isOne ? found.deepest : found.narrowest) = isOne ? std::max(found.deepest, -gap) : std::min(found.narrowest, gap);
+		found.apart = found.apart || (pair.reference > 0 && overlap <= 0);
+	}
+	found.contacts = static_cast<std::size_t>(next - found.first);
+	return found;
+}
+
+// As in the plane: whether the centre of sphere b has entered boundary a, or gone right through it, in the first half of the step, by the places of
+// two earlier moments.
+bool ContactFinder<Space3>::isThrough(const StepView<Space3>& step, const Pair& pair, SpaceFoot& face) const
+{
+	const SpaceBody &a = step.world.bodies[pair.a], &b = step.world.bodies[pair.b];
+	const Vector3 now = step.place(pair.b).at - step.place(pair.a).at;
+	const auto through = [&](double ahead, SpaceFoot& by) {
+		const SpaceShape was = turns(a) ? rotated(step.world.shapes[pair.a], ahead * spinOf(a)) : step.world.shapes[pair.a];
+		return comesThrough(was, placeAhead(b, ahead).at - placeAhead(a, ahead).at, step.shape(pair.a), now, by);
+	};
+	SpaceFoot same;
+	return through(0, face) && through(-0.5 * step.dt(), same) && face.n == same.n && mobility(step.bodies[pair.b], face.n) > 0;
+}
+
+// Moves such spheres back to the face, in the direction in which an impulse would push them. Repeats this as long as one enters another boundary.
+bool ContactFinder<Space3>::stopAtFaces(const StepView<Space3>& step, BodyMotion<Space3>& motion)
+{
+	for (std::size_t before = motion.shifted();; before = motion.shifted()) {
+		for (const int32_t i : step.world.awake) {
+			const Pair& pair = step.world.pairs[i];
+			const SpacePlace& b = step.place(pair.b);
+			SpaceFoot face;
+			if (!isBoundary(step.place(pair.a)) || b.radius - meetings[i].overlap > 0.5 * motion.ways(pair)
+			    || !isThrough(step, pair, face))
+				continue;
+			const BodyVelocity<Space3>& v = step.bodies[pair.b];
+			const double back = (b.radius - face.distance) / mobility(v, face.n);
+			motion.shift(pair.b, { back * v.w[0] * face.n.x, back * v.w[1] * face.n.y, back * v.w[2] * face.n.z });
+		}
+		if (motion.shifted() == before || before > step.world.bodies.size())
+			return motion.shifted() > 0;
+		locate(step);
+	}
+}
+
+bool ContactFinder<Space3>::find(
+    WorldOf<Space3>& world, const StepView<Space3>& step, BodyMotion<Space3>& motion, const BodyMotion<Space3>::Start& start)
+{
+	assert(world.firstContact.empty() && &step.world == &world && &step.motion == &motion && world.carried.size() == world.pairs.size());
+	bool known = start.sameMasses && world.listing != 0 && world.listing == listing && !added && contact.size() == world.pairs.size()
+	    && world.awake.size() == world.pairs.size();
+	meetings.resize(world.pairs.size());
+	if (contact.size() != world.pairs.size() || world.awake.size() != world.pairs.size())
+		contact.assign(world.pairs.size(), 0);
+	pairOf.resize(world.awake.size());
+	features.list(world);
+	locate(step);
+	known = !stopAtFaces(step, motion) && known;
+	const auto range = [&](std::size_t from, std::size_t to) { return choose(step, from, to); };
+	const Found found = reduceRanges<Found>(&step.threads, world.awake.size(), range, [](const Found& a, const Found& b) {
+		if (a.first + a.contacts < b.first)
+			std::copy_n(b.first, b.contacts, a.first + a.contacts);
+		return Found { a.first, a.contacts + b.contacts, a.same && b.same, a.apart || b.apart, std::max(a.deepest, b.deepest),
+			std::min(a.narrowest, b.narrowest) };
+	});
+	pairOf.resize(found.contacts);
+	for (std::size_t k = 0; found.apart && k < world.awake.size(); k++)
+		if (Pair& pair = world.pairs[world.awake[k]]; pair.reference > 0 && meetings[world.awake[k]].overlap <= 0) {
+			pair.reference = 0;
+			apart.push_back(world.awake[k]);
+		}
+	narrowest = found.narrowest;
+	largestOverlap = found.deepest;
+	if (start.guides) {
+		largestOverlap = 0;
+		for (const int32_t i : pairOf)
+			largestOverlap = isGuided(world, world.pairs[i]) ? largestOverlap : std::max(largestOverlap, -gap(world, i));
+	}
+	early = pairOf.size();
+	listing = world.listing;
+	added = false;
+	return known && found.same;
+}
+
+bool ContactFinder<Space3>::fastEnough(const StepView<Space3>& step, std::size_t index) const
+{
+	const Pair& pair = step.world.pairs[index];
+	const std::vector<SpaceMean>& means = step.motion.means();
+	const double way = gap(step.world, index);
+	if (way > quick * step.dt() * (means[pair.a].speed + means[pair.b].speed))
+		return false;
+	return way <= quick * step.dt() * step.relativeSpeed(pair, step.bodies[pair.a].v, step.bodies[pair.b].v) && !isHidden(step, index);
+}
+
+bool ContactFinder<Space3>::crosses(const StepView<Space3>& step, std::size_t index) const
+{
+	const Pair& pair = step.world.pairs[index];
+	if (!fastEnough(step, index))
+		return false;
+	const SpaceTouch at = touch(step, index);
+	const double way = gap(step.world, index);
+	return way + step.turning(pair, at.n, way) + step.dt() * step.approach(pair, at, step.bodies[pair.a].v, step.bodies[pair.b].v) < 0;
+}
+
+bool ContactFinder<Space3>::addClosing(const StepView<Space3>& step)
+{
+	const std::vector<int32_t>& awake = step.world.awake;
+	const auto violated = [&](std::size_t k) { return !contact[awake[k]] && crosses(step, awake[k]); };
+	if (!(narrowest <= 2 * quick * step.dt() * step.motion.fastest()) || !anyOf(&step.threads, awake.size(), violated))
+		return false;
+	added = true;
+	for (const int32_t i : awake)
+		if (!contact[i] && fastEnough(step, i)) {
+			pairOf.push_back(i);
+			contact[i] = 1;
+			largestOverlap = std::max(largestOverlap, -gap(step.world, i));
+		}
+	return true;
+}
+
+void ContactFinder<Space3>::locateAll(const WorldOf<Space3>& world, const BodyMotion<Space3>& motion)
+{
+	meetings.clear();
+	for (const Pair& pair : world.pairs)
+		meetings.push_back(meet(motion.places()[pair.a], motion.places()[pair.b], motion.shapes()[pair.a]));
+}
+
+} // namespace cd
