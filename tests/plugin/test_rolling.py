@@ -4,8 +4,6 @@ import math
 import pytest
 from yade import utils, wrapper as w
 
-import cd_engine
-
 from . import plane
 
 G = 9.81
