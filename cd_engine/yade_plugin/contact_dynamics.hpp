@@ -63,6 +63,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void giveUp();
 	template <class Space> void advance();
 	template <class Space> void repeatIdleStep(const Vector3r& weighs);
+	template <class Space> void leaveSprings();
 	template <class Space> void takeOverlaps();
 	template <class Space> cd::StepReport solve(const Vector3r& weighs, const cd::StepSettings<Space>&);
 	StiffnessSettings readStiffness() const;

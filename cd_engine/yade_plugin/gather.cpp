@@ -25,6 +25,17 @@ template <class Space> void SceneLink<Space>::warnOnce(const std::string& what, 
 		std::cerr << "ContactDynamics: " << what << " " << remedy << '\n';
 }
 
+template <class Space> double SceneLink<Space>::massRatio() const
+{
+	double least = cd::endless, most = 0; // inverse masses
+	for (const auto& b : world.bodies)
+		if (const double inverse = *std::max_element(b.inverseMass, b.inverseMass + Space::components); inverse > 0) {
+			least = std::min(least, inverse);
+			most = std::max(most, inverse);
+		}
+	return most > 0 ? most / least : 1;
+}
+
 template <class Space> void SceneLink<Space>::checkScene(yade::Scene* scene, double dt)
 {
 	if (scene_isPeriodic(scene))
@@ -192,7 +203,6 @@ void SceneLink<Space>::gatherPairs(yade::Scene* scene, const Memory& memory, boo
 		sleepers.wakeAll(world);
 }
 
-// The force that an interaction holds; none if a step cannot read or write its objects.
 // Whether an interaction holds the force of a contact in objects that a step can read and write.
 template <class Space> bool SceneLink<Space>::holdsForce(std::size_t index, bool turned)
 {
@@ -329,6 +339,7 @@ template <class Space> void SceneLink<Space>::inspectScene(yade::Scene* scene, c
 
 #define INSTANTIATE(Space)                                                                                                                           \
 	template void SceneLink<Space>::warnOnce(const std::string&, const std::string&);                                                            \
+	template double SceneLink<Space>::massRatio() const;                                                                                         \
 	template void SceneLink<Space>::forget(yade::Interaction*) const;                                                                            \
 	template void SceneLink<Space>::turn(std::size_t) const;                                                                                     \
 	template void SceneLink<Space>::gather(                                                                                                      \

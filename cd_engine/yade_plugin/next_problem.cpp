@@ -66,10 +66,10 @@ py::tuple ContactDynamics::nextProblem()
 		throw SceneError(
 		    "ContactDynamics: a file cannot hold the rolling resistance of a CohFrictMat. Set etaRoll to 0 to export the problem "
 		    "without it");
-	if (handover && copy.world.compliant())
+	if (copy.world.compliant())
 		copy.forgetOverlaps();
 	else if (handover)
-		copy.takeOverlaps();
+		copy.takeOverlaps(storedEnergy > 0);
 	cd::TimeStep<cd::Plane> next;
 	return bodyArrays(next.assemble(copy.world, settings));
 }

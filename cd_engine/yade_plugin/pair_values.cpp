@@ -79,11 +79,17 @@ template <class Space> cd::Stiffness SceneLink<Space>::stiffnessOf(const cd::Pai
 // Wakes all islands if a stiffness has changed.
 template <class Space> void SceneLink<Space>::setStiffness(Sleepers& sleepers)
 {
+	constexpr double least = 1e-100; // 1/(k h^2) has to be a number
 	const std::size_t count = stiffness.rigid() ? 0 : world.pairs.size();
 	bool changed = world.stiffnesses.size() != count;
+	world.springs = !stiffness.rigid();
 	world.stiffnesses.resize(count);
 	for (std::size_t i = 0; i < count; i++) {
 		const cd::Stiffness now = stiffnessOf(world.pairs[i]);
+		if (!(now.kn > least && std::isfinite(now.kn) && (now.kt == 0 || now.kt > least)))
+			throw SceneError(text("ContactDynamics: the contact of bodies #", world.pairs[i].a, " and #", world.pairs[i].b,
+			    " has k_n = ", now.kn, " and k_t = ", now.kt, " N/m. Give ", stiffness.ofMaterials ? "materials a young" : "a stiffness",
+			    " from which finite ones above ", least, " N/m follow"));
 		changed = changed || now.kn != world.stiffnesses[i].kn || now.kt != world.stiffnesses[i].kt;
 		world.stiffnesses[i] = now;
 	}
@@ -92,7 +98,7 @@ template <class Space> void SceneLink<Space>::setStiffness(Sleepers& sleepers)
 }
 
 // As YADE's Ip2_CohFrictMat_CohFrictMat_CohFrictPhys: the smaller one of eta R of the two, and for a boundary the disk's radius.
-template <class Space> cd::Rolling SceneLink<Space>::rollingOf(const cd::Pair& pair) const
+template <> cd::Rolling SceneLink<cd::Plane>::rollingOf(const cd::Pair& pair) const
 {
 	const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
 	const double rb = world.bodyOf(pair.b).radius, ra = isBoundary(world.bodyOf(pair.a)) ? rb : world.bodyOf(pair.a).radius;
@@ -102,7 +108,7 @@ template <class Space> cd::Rolling SceneLink<Space>::rollingOf(const cd::Pair& p
 }
 
 // Wakes all islands if the resistance of a pair has changed.
-template <class Space> void SceneLink<Space>::setRolling(Sleepers& sleepers)
+template <> void SceneLink<cd::Plane>::setRolling(cd::Sleepers<cd::Plane>& sleepers)
 {
 	const std::size_t count = anyRolls ? world.pairs.size() : 0;
 	bool changed = world.rollings.size() != count;
@@ -116,12 +122,17 @@ template <class Space> void SceneLink<Space>::setRolling(Sleepers& sleepers)
 		sleepers.wakeAll(world, { "the rolling resistance of contacts has changed", -1 });
 }
 
+template <> void SceneLink<cd::Space3>::setRolling(cd::Sleepers<cd::Space3>&)
+{
+	throw SceneError("ContactDynamics: the rolling resistance of a CohFrictMat is known in the plane only. Set its momentRotationLaw to False or "
+			 "etaRoll to 0, or keep the disks in the plane: O.bodies[i].state.blockedDOFs='zXY'");
+}
+
 #define INSTANTIATE(Space)                                                                                                                           \
 	template bool SceneLink<Space>::setValues(const PairValues&);                                                                                \
 	template void SceneLink<Space>::setFriction(cd::Threads&);                                                                                   \
 	template void SceneLink<Space>::setRestitution();                                                                                            \
-	template void SceneLink<Space>::setStiffness(cd::Sleepers<Space>&);                                                                          \
-	template void SceneLink<Space>::setRolling(cd::Sleepers<Space>&);
+	template void SceneLink<Space>::setStiffness(cd::Sleepers<Space>&);
 INSTANTIATE(cd::Plane)
 INSTANTIATE(cd::Space3)
 

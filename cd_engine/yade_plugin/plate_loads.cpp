@@ -155,10 +155,16 @@ void PlateLoads::step()
 	std::array<Axis, 3> axes;
 	Vector3r length = Vector3r::Constant(depth);
 	std::vector<double> facesNow(6), pushesNow(6);
+	if (plates.size() > 6)
+		refuse(text("plates has ", plates.size(), " ids"), "Give at most six: the lower and the upper plate of x, y and z, -1 for none");
 	for (int k = 0; k < 3; k++) {
 		const std::size_t low = 2 * k, high = low + 1;
-		if (high >= plates.size() || plates[low] < 0 || plates[high] < 0)
+		if (high >= plates.size() || plates[low] < 0 || plates[high] < 0) {
+			if (goals[k] != 0)
+				refuse(text("goals has ", goals[k], " along ", axisName[k], ", where plates names no two plates"),
+				    "Name the lower and the upper one, or set that goal to 0");
 			continue;
+		}
 		axes[k].low = plate(low, k, facesNow[low]);
 		axes[k].high = plate(high, k, facesNow[high]);
 		length[k] = facesNow[high] - facesNow[low];

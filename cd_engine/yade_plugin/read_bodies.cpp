@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 namespace cd_engine {
 
@@ -30,30 +29,6 @@ template <class Space> void SceneLink<Space>::readVelocity(int id, Body& body)
 	}
 	newSurfaces = newSurfaces || now != world.surfaces[id];
 	world.surfaces[id] = now;
-}
-
-// As YADE, a contact has a moment only if both materials have a momentRotationLaw.
-template <class Space> void SceneLink<Space>::readRolling(int id, void* mat)
-{
-	KnownBody& body = bodies[id];
-	const double eta = cohMat_etaRoll(mat), alpha = cohMat_alphaKr(mat);
-	if (!cohMat_momentRotationLaw(mat))
-		return;
-	if (!(eta < 0 || (eta <= 1e6 && alpha >= 0 && std::isfinite(alpha))))
-		refuseBody(id, text("has a material with etaRoll = ", eta, " and alphaKr = ", alpha),
-		    "Set O.bodies[#].mat.etaRoll to a share of the radius, from 0 to 1e6, and alphaKr to at least 0");
-	if (eta < 0)
-		warnOnce("a CohFrictMat has a momentRotationLaw and a negative etaRoll, for moments without a bound, which are not known here.",
-		    text("(Body #", id, " has one.) Its contacts get no moment. Set etaRoll to the bound, as a share of the radius."));
-	if (std::is_same_v<Space, cd::Space3> && eta > 0) {
-		warnOnce("a CohFrictMat has a momentRotationLaw, and the scene is solved in space, where rolling resistance is not known.",
-		    text("(Body #", id,
-			" has one.) Its contacts get no moment. Keep the scene in a plane by state.blockedDOFs, or set etaRoll to 0."));
-		return;
-	}
-	body.etaRoll = std::max(eta, 0.);
-	body.alphaKr = alpha;
-	anyRolls = anyRolls || eta > 0;
 }
 
 template <class Space> void SceneLink<Space>::readFriction(int id, void* mat)
@@ -95,6 +70,24 @@ template <class Space> void SceneLink<Space>::readFriction(int id, void* mat)
 		    "Set O.bodies[#].mat.frictionAngle = math.atan(mu) with a mu from 0 to 1e6");
 	body.frictionAngle = angle;
 	world.bodies[id].friction = mu;
+}
+
+// As YADE, a contact has a moment only if both materials have a momentRotationLaw.
+template <class Space> void SceneLink<Space>::readRolling(int id, void* mat)
+{
+	KnownBody& body = bodies[id];
+	const double eta = cohMat_etaRoll(mat), alpha = cohMat_alphaKr(mat);
+	if (!cohMat_momentRotationLaw(mat))
+		return;
+	if (!(eta < 0 || (eta <= 1e6 && alpha >= 0 && std::isfinite(alpha))))
+		refuseBody(id, text("has a material with etaRoll = ", eta, " and alphaKr = ", alpha),
+		    "Set O.bodies[#].mat.etaRoll to a share of the radius, from 0 to 1e6, and alphaKr to at least 0");
+	if (eta < 0)
+		warnOnce("a CohFrictMat has a momentRotationLaw and a negative etaRoll, for moments without a bound, which are not known here.",
+		    text("(Body #", id, " has one.) Its contacts get no moment. Set etaRoll to the bound, as a share of the radius."));
+	body.etaRoll = std::max(eta, 0.);
+	body.alphaKr = alpha;
+	anyRolls = anyRolls || eta > 0;
 }
 
 // Warns if somebody sets the position of a body without that freedom step by step, since no disk sees it come. Once or twice may be a new beginning.
@@ -148,7 +141,7 @@ template <class Space> void SceneLink<Space>::readBody(int id, const Shared<yade
 	if (!known.state)
 		refuseBody(id, "has no state", "Give it one: O.bodies[#].state=State()");
 	if (!known.shape)
-		refuseBody(id, "has no shape", "Set O.bodies[#].shape to a Sphere, Box or Wall, or erase the body");
+		refuseBody(id, "has no shape", "Set O.bodies[#].shape to a Sphere, Box, Wall or Facet, or erase the body");
 	checkMotion(id);
 	readOrientation(id);
 	const bool inPlane = readShape(id, world.bodies[id]);

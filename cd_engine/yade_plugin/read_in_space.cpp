@@ -33,7 +33,13 @@ namespace {
 
 } // namespace
 
-template <> void SceneLink<cd::Space3>::findFrame(yade::BodyContainer&) { pull = gravity; }
+template <> void SceneLink<cd::Space3>::findFrame(yade::BodyContainer&)
+{
+	if (mask != 0)
+		throw SceneError(text("ContactDynamics: mask=", mask, " is for belts, which are known in the plane only. Set mask to 0, and move the "
+			"boundary itself"));
+	pull = gravity;
+}
 
 template <> void SceneLink<cd::Space3>::readOrientation(int id)
 {

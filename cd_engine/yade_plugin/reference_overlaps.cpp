@@ -26,7 +26,7 @@ template <class Space> std::string SceneLink<Space>::behindWall(const cd::Pair& 
 	    "Move the body to the other side, or set O.bodies[", pair.a, "].shape.sense=0 for a wall of two sides");
 }
 
-template <class Space> double SceneLink<Space>::takeOverlaps()
+template <class Space> double SceneLink<Space>::takeOverlaps(bool ofOwnSprings)
 {
 	double largest = 0;
 	std::vector<double> overlaps; // a refusal leaves the pairs as they are
@@ -50,7 +50,7 @@ template <class Space> double SceneLink<Space>::takeOverlaps()
 	const auto what = [](const Worst& of) {
 		return text("bodies #", of.pair->a, " and #", of.pair->b, " overlap by ", of.share, " of a radius at the start");
 	};
-	if (!(worst.share <= mostOverlap)) {
+	if (!ofOwnSprings && !(worst.share <= mostOverlap)) {
 		const std::string reason = behindWall(*worst.pair);
 		const bool plate = worst.share > 1 && isBoundary(world.bodyOf(worst.pair->a));
 		const std::string remedy = plate ? text(", or erase body #", worst.pair->a, " if it is a plate in front of or behind the disks") : "";
@@ -121,7 +121,7 @@ void ReferenceOverlaps::forget(const std::vector<cd::Pair>& pairs, const std::ve
 
 #define INSTANTIATE(Space)                                                                                                                           \
 	template std::string SceneLink<Space>::behindWall(const cd::Pair&) const;                                                                    \
-	template double SceneLink<Space>::takeOverlaps();                                                                                            \
+	template double SceneLink<Space>::takeOverlaps(bool);                                                                                        \
 	template void SceneLink<Space>::forgetOverlaps();                                                                                            \
 	template const cd::Pair& SceneLink<Space>::deepest(const cd::TimeStep<Space>&) const;                                                        \
 	template void SceneLink<Space>::collectOverlaps(const ReferenceOverlaps&) const;

@@ -103,8 +103,9 @@ template <class Space> class SceneLink {
 	    const std::vector<double>& outran);
 	// The same without changing the scene, and with only the permanent external forces. Needs a link of its own.
 	void inspectScene(yade::Scene*, const Vector3r& gravity, double dt, const Memory&, bool checksOrder);
-	// Makes the overlaps present now the reference ones. Returns the largest one of two bodies of which one can move [m].
-	double takeOverlaps();
+	// Makes the overlaps present now the reference ones, the deepest only if this engine's own springs have left them. Returns the largest one of
+	// two bodies of which one can move [m].
+	double takeOverlaps(bool ofOwnSprings);
 	// Forgets all reference overlaps: springs count gaps from geometric contact.
 	void forgetOverlaps();
 	// Turns the bodies by a step of dt. From then on the scene is out of date, until it is published.
@@ -136,6 +137,9 @@ template <class Space> class SceneLink {
 	const cd::Pair& deepest(const TimeStep&) const;
 	// If it is a disk behind a Wall that has only one side: a sentence for the user that says so. Else empty.
 	std::string behindWall(const cd::Pair&) const;
+
+	// The heaviest body over the lightest, of those that move [1].
+	double massRatio() const;
 
 	void warnOnce(const std::string& what, const std::string& remedy);
 	// Where a body is, for a message.
@@ -242,6 +246,7 @@ template <class Space> class SceneLink {
 	template <> void SceneLink<Space>::writePlace(std::size_t) const;                                                                            \
 	template <> bool SceneLink<Space>::rotate(std::size_t);                                                                                      \
 	template <> void SceneLink<Space>::addForces(yade::ForceContainer&, int, const cd::Account<Space>::Impulse&) const;                          \
+	template <> void SceneLink<Space>::setRolling(cd::Sleepers<Space>&);                                                                         \
 	template <> cd::TouchOf<Space> SceneLink<Space>::touchAfterStep(std::size_t) const;
 CD_ENGINE_OF_SPACE(cd::Plane)
 CD_ENGINE_OF_SPACE(cd::Space3)

@@ -165,8 +165,8 @@ LATIN = {"LC_ALL": "de_DE.ISO-8859-1", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE":
 
 
 @pytest.mark.parametrize("surroundings, arguments", [
-    ({"HOME": None}, PAGE), (LATIN, PAGE), (LATIN | {"LC_ALL": "C"}, ["recommend"]), ({"PATH": "/nowhere"}, ["check", "{run}"])],
-    ids=["no HOME", "Latin-1", "ASCII", "no git"])
+    (LATIN | {"HOME": None}, PAGE), (LATIN | {"LC_ALL": "C"}, ["recommend"]), ({"PATH": "/nowhere"}, ["check", "{run}"])],
+    ids=["Latin-1, no HOME", "ASCII", "no git"])
 def test_commands_work_in_poor_surroundings(root, tmp_path, md, surroundings, arguments):
     """They work without a UTF-8 locale, HOME or git: the published page has all letters, drawing looks for fonts below HOME, provenance asks git."""
     environment = {name: value for name, value in (os.environ | surroundings).items() if value is not None}

@@ -99,13 +99,13 @@ def test_a_signal_ends_a_solution(method):
     def stop(*_):
         raise Stop
     draw = np.random.default_rng(1)
-    half = draw.normal(size=(1200, 600))
-    arrays = _arrays(core.Problem(half @ half.T / 600, draw.normal(size=1200) - 1, np.full(600, 0.5)))
+    half = draw.normal(size=(600, 300))
+    arrays = _arrays(core.Problem(half @ half.T / 300, draw.normal(size=600) - 1, np.full(300, 0.5)))
 
     def solve():
         begin = time.process_time()
         with contextlib.suppress(Stop):
-            _core().solve(arrays, np.zeros(1200), method, 1e-300, 10**6, 0, 0, False, 1)
+            _core().solve(arrays, np.zeros(600), method, 1e-300, 10**6, 0, 0, False, 1)
         return time.process_time() - begin
     whole = solve()
     before = signal.signal(signal.SIGPROF, stop)

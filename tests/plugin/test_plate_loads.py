@@ -44,8 +44,9 @@ def box_of_plates(O, sides=(0.2, 0.3), free=("x", "y"), mass=5.0):
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_goals_change_as_is_said_to_the_last_bit(O, shape, method):
     """A goal is that of the beginning of a step with springs, and of its middle with Contact Dynamics."""
-    plane.disk((0, 0), 0.01, blocked="xyzXYZ")
-    loads = set_engines(O, method, cd_engine.PlateLoads(plates=[], goals=(-P0, 2 * P0, 0), rise=(0.3, -0.7, 0), loading=shape, period=0.37))
+    box_of_plates(O, mass=1e12)
+    plane.disk((0.1, 0.1), 0.01, blocked="xyzXYZ")
+    loads = set_engines(O, method, cd_engine.PlateLoads(goals=(-P0, 2 * P0, 0), rise=(0.3, -0.7, 0), loading=shape, period=0.37))
     draw = random.Random(5).uniform
     for _ in range(50):
         O.dt = draw(1e-3, 0.1)
@@ -144,7 +145,8 @@ def test_the_motion_does_not_depend_on_when_the_scene_is_written(O, tmp_path):
     (dict(plates=[0, 1, 2, 77]), "there is no body #77, which plates names"),
     (dict(plates=[0, 6]), "body #6 is no Box, and no Wall perpendicular to x"),
     (dict(plates=[1, 0]), "plates #1 and #0 have met along x"), (dict(stressMask=1), "plate #3 is free along y, where a strain rate is its goal"),
-    (dict(goals=(0, 0, -1)), "neither of the plates #4 and #5 is free along z")])
+    (dict(goals=(0, 0, -1)), "neither of the plates #4 and #5 is free along z"),
+    (dict(plates=[0, 1]), "goals has -.* along y, where plates names no two plates"), (dict(plates=[0, 1, 2, 3, 4, 5, 6]), "plates has 7 ids")])
 def test_what_makes_no_sense_is_refused(O, spoil, words):
     box_of_plates(O)
     plane.disk((0.1, 0.1), 0.01)

@@ -251,17 +251,60 @@ def test_a_planar_scene_that_gains_a_free_sphere_goes_over_to_space(O, capfd):
     assert O.bodies[free].state.pos[2] > 0.05 and O.bodies[disk].state.pos[2] == 0
 
 
-@pytest.mark.parametrize("what", ["a turning box", "a clump", "a turning facet"])
+@pytest.mark.parametrize("blocked", ["X", "xYZ", "XY", "xXZ"])
+def test_spheres_with_blocked_freedoms_slide_against_coulomb_friction(O, blocked):
+    """A single step of a sphere that slides: its impulse is mu m g dt against the velocity of the contact, whatever it cannot do."""
+    mat, radius, dt = material(0.2), 0.1, 1e-3
+    O.bodies.append(utils.wall(0, axis=2, material=mat))
+    ball((5, 5, 5), radius, mat)  # so that the scene is in space
+    state = O.bodies[ball((0, 0, radius), radius, mat, velocity=(0 if "x" in blocked else 1, 0.5, 0))].state
+    state.blockedDOFs = blocked
+    before = vector(state.vel)
+    run(1, dt)
+    now, spin = vector(state.vel), vector(state.angVel)
+    slip = now + np.cross(spin, (0, 0, -radius))
+    allowed = [letter not in blocked for letter in "xy"] + [False]
+    assert now - before == pytest.approx(-0.2 * G * dt * slip / np.linalg.norm(slip) * allowed, abs=1e-12)
+
+
+@pytest.mark.parametrize("blocked, keeps", [("yXYZ", 0), ("XYZ", 0), ("yXZ", 5 / 7)])
+def test_spheres_with_blocked_freedoms_stick_or_roll(O, blocked, keeps):
+    """Too slow to slide for a step: one that cannot turn stops, one that can rolls."""
+    mat, radius = material(0.5), 0.1
+    O.bodies.append(utils.wall(0, axis=2, material=mat))
+    ball((5, 5, 5), radius, mat)  # so that the scene is in space
+    state = O.bodies[ball((0, 0, radius), radius, mat, velocity=(1e-3, 0, 0))].state
+    state.blockedDOFs = blocked
+    run(3, 1e-3)
+    assert vector(state.vel) == pytest.approx((keeps * 1e-3, 0, 0), abs=1e-14)
+
+
+def test_a_loaded_plate_carries_what_presses_it_and_needs_no_message(O, capfd):
+    """A planar scene may have a plate that moves along z, too, but here nothing is kept in a plane."""
+    mat = material()
+    floor, plate = O.bodies.append([utils.wall(0, axis=2, material=mat), utils.wall(0.2, axis=2, material=mat)])
+    O.bodies[plate].state.mass, O.bodies[plate].state.blockedDOFs = 5, "xyXYZ"
+    weight = G * O.bodies[ball((0, 0, 0.1), 0.1, mat)].state.mass
+    O.forces.setPermF(plate, (0, 0, -100))
+    run(10, 1e-3)
+    assert O.forces.f(floor)[2] == pytest.approx(-(100 + 5 * G + weight), rel=1e-10)
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("what", ["a turning box", "a clump", "a turning facet", "newton"])
 def test_what_is_refused_in_space(O, what):
     mat = material()
     ball((0, 0, 1), 0.1, mat)
-    if what == "a turning box":
+    settings = {"gravity": (0, 0, -G)}
+    if what == "newton":
+        settings["method"] = what
+    elif what == "a turning box":
         O.bodies.append(utils.box((0, 0, 0), (1, 1, 0.1), material=mat))
     elif what == "a clump":
         O.bodies.appendClumped([utils.sphere((k, 0, 0), 0.6, material=mat) for k in (0, 1)])
     else:
         O.bodies.append(utils.facet(((0, 0, 0), (1, 0, 0), (0, 1, 0)), fixed=False, material=mat))
-    O.engines = cd_engine.engines(gravity=(0, 0, -G))
+    O.engines = cd_engine.engines(**settings)
     O.dt = 1e-3
-    with pytest.raises(RuntimeError, match="free to turn|clump"):
+    with pytest.raises(RuntimeError, match="free to turn|clump|method 'newton' solves planar scenes only"):
         O.run(1, True)

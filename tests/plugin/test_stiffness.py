@@ -70,6 +70,48 @@ def test_hand_over_and_back(O):
     close(back, held, 1e-9)
 
 
+def test_rigid_steps_between_steps_of_springs(O):
+    """The overlaps that rigid contacts count as touching belong to the springs again, and those of implicit springs count as touching, too."""
+    before = heap(O)
+    overlap = max(values[2] for values in before.values())
+    cd = plane.run(50, 1e-3, gravity=G, tolerance=1e-8)
+    assert cd.handoverOverlap == pytest.approx(overlap, rel=1e-3) and cd.storedEnergy == 0
+    cd.materialStiffness, cd.tolerance = True, 0.1
+    O.run(1, True)
+    after = springs_of(contacts())
+    close(after, before, 0.05, slice(2, 3))  # friction of rigid contacts is not unique, so that this step moves the disks a little
+    assert cd.storedEnergy > 0
+    for kn, _, depth, *force in after.values():
+        assert np.hypot(*force[:2]) == pytest.approx(kn * depth, rel=1e-3, abs=1e-3)
+    O.run(200, True)
+    held = springs_of(contacts())
+    cd.materialStiffness, cd.tolerance, cd.gapCorrection = False, 1e-8, 0.2
+    O.run(50, True)
+    assert cd.handoverOverlap == pytest.approx(max(values[2] for values in held.values()), rel=1e-3)
+    assert cd.maxPenetration < 1e-3 * overlap and cd.unconvergedSteps == 0
+    close(springs_of(contacts()), held, 1e-3, slice(2, 3))
+
+
+def test_free_flight_is_backward_euler_whatever_is_near(O):
+    steps, h = 50, 1e-3
+    for margin in (0.1, 10):
+        O.reset()
+        plane.ground()
+        disk = plane.disk((0, 0.05), 0.01)
+        plane.run(steps, h, gravity=G, stiffness=1e5, tangentialStiffness=1e5, searchMargin=margin)
+        assert O.bodies[disk].state.pos[1] == pytest.approx(0.05 - 9.81 * h**2 * steps * (steps + 1) / 2, rel=1e-12)
+
+
+def test_a_heavy_disk_at_rest_on_a_light_one(O):
+    """The tolerance stays above the round-off of the impulses, which is an error of the light disk: masses 1 and 1e6."""
+    cd = plane.two_on_a_floor(1e6, 1000, stiffness=1e11, tangentialStiffness=1e11, dampingRatio=0.2)
+    assert cd.sleeping == 1 and cd.unconvergedSteps == 0
+    assert contacts()[0, 1].phys.normalForce[1] == pytest.approx(9.81 * (1e6 + 1), rel=1e-6)
+    cd.tolerance = 1e-3  # what sleeps has been proven to another one
+    O.run(10, True)
+    assert cd.sleeping == 1 and cd.unconvergedSteps == 0
+
+
 def test_energies(O):
     mat = plane.ground(0.3)
     for k in range(12):
@@ -83,6 +125,22 @@ def test_energies(O):
     assert all(energy[name] > 0 for name in ("plastDissip", "elastPotential", "viscDissip", "numDissip"))
     assert energy["elastPotential"] == pytest.approx(cd.storedEnergy)
     assert O.energy.total() == pytest.approx(begin, abs=1e-6 * abs(energy["gravWork"]))
+
+
+def test_the_damping_of_the_scheme_falls_with_the_step(O):
+    """Its sum takes what no other energy accounts for, so an error of theirs would stay in it."""
+    damped = []
+    for h in (1e-4, 1e-5):
+        O.reset()
+        mat = plane.ground(0.5)
+        for x in (0, 0.2):
+            O.bodies.append(utils.wall(x, axis=0, material=mat))
+        for k in range(8):
+            plane.disk((0.03 + 0.045 * (k % 4), 0.03 + 0.04 * (k // 4)), 0.013, velocity=((-1)**k, k % 3 - 1), spin=7 * k, mat=mat)
+        cd = plane.run(round(0.2 / h), h, gravity=G, stiffness=1e4, tangentialStiffness=5e3, tolerance=1e-3)
+        damped.append(cd.dampedEnergy)
+        assert cd.dissipatedEnergy > 0.1
+    assert 0 < damped[1] < 0.02 * cd.dissipatedEnergy + 0.01 and 7 < damped[0] / damped[1] < 14
 
 
 def test_a_pile_sleeps_with_its_energy_and_goes_on_after_a_save(O, tmp_path):
@@ -132,7 +190,8 @@ def test_a_press_that_rigid_grains_cannot_solve(O):
 @pytest.mark.parametrize("settings, says", [
     (dict(tangentialStiffness=1e3), "needs a stiffness"), (dict(dampingRatio=0.1), "needs a stiffness"),
     (dict(stiffness=1e4, restitution=0.5), "dampingRatio"), (dict(stiffness=1e4, gapCorrection=0.1), "gapCorrection"),
-    (dict(stiffness=1e4, materialStiffness=True), "materialStiffness"), (dict(materialStiffness=True), "young")])
+    (dict(stiffness=1e4, materialStiffness=True), "materialStiffness"), (dict(materialStiffness=True), "young"),
+    (dict(stiffness=1e-320), "k_n = "), (dict(stiffness=1e4, tangentialStiffness=1e-320), "k_t = ")])
 def test_refused(O, settings, says):
     plane.disk_on_a_floor(**settings)
     if says == "young":

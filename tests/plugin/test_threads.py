@@ -12,7 +12,7 @@ from cd_engine import core
 from . import plane, programs
 
 SIDE = 62        # disks in a row and a column: more contacts than one block of a sweep may have
-COUNTS = 1, 2, 3, 4, 8, 16
+COUNTS = 1, 2, 3, 16
 RADIUS = 0.05
 
 
@@ -60,6 +60,7 @@ SCENES = {
     "flow, as a whole": (dict(speed=0.05, side=90), dict(tolerance=1e-2, restitution=0.6, reduce=False)),
     "plain sweeps": (dict(lid=True, speed=0.02), dict(tolerance=1e-2, method="nsgs", maxIterations=60)),
     "sweeps with momentum": (dict(lid=True, speed=0.02), dict(tolerance=1e-2, method="accelerated", maxIterations=60)),
+    "springs": (dict(lid=True, speed=0.02), dict(stiffness=1e7, tangentialStiffness=5e6, dampingRatio=0.1)),
     "Newton's method": (dict(speed=0.02), dict(tolerance=1e-6, method="newton", maxIterations=12)),
 }
 

@@ -180,9 +180,9 @@ template Residual residual(const ContactSystem<Space3>&, const std::vector<doubl
 template void addResiduals(
     const ContactSystem<Plane>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
 template void addResiduals(
-    const ContactSystem<RollingPlane>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
-template void addResiduals(
     const ContactSystem<Space3>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
+template void addResiduals(
+    const ContactSystem<RollingPlane>&, const std::vector<double>&, const std::vector<int32_t>&, std::vector<ResidualSum>&, const int32_t*);
 
 Residual residual(const DelassusSystem& system)
 {

@@ -42,13 +42,23 @@ template <> struct ContactRow<Space3> {
 
 	static double turning(const double* w) { return std::max({ w[3], w[4], w[5] }); }
 
+	// The larger eigenvalue of the part of a diagonal matrix that acts across n, from the trace and the trace of the square of that part.
+	double largestAcross(double x, double y, double z) const
+	{
+		const double mean = 0.5 * (x + y + z - wnn);
+		const double square = x * x * (1 - 2 * nx * nx) + y * y * (1 - 2 * ny * ny) + z * z * (1 - 2 * nz * nz) + wnn * wnn;
+		const double spread = 0.5 * square - mean * mean, roundOff = 1e-12 * mean * mean;
+		return spread > roundOff ? mean + std::sqrt(spread) : mean;
+	}
+
 	// wtt holds for all directions where boundaries that can move do so along their normals or alike in all directions, and spheres turn freely.
-	// Elsewhere it is an estimate: impulses that sweeps do not change any more obey the law, whatever positive number stands here.
+	// Elsewhere it is an upper bound: with half of the true value sweeps would overshoot and never end.
 	void assembleBlock(const BodyVelocity<Space3>& A, const BodyVelocity<Space3>& B)
 	{
 		const double all = A.w[0] + A.w[1] + A.w[2] + B.w[0] + B.w[1] + B.w[2];
 		wnn = compliance(A.w, B.w);
-		wtt = 0.5 * (all - wnn) + at * at * turning(A.w) + bt * bt * turning(B.w);
+		const double x = A.w[0] + B.w[0], y = A.w[1] + B.w[1], z = A.w[2] + B.w[2];
+		wtt = (x == y && y == z ? 0.5 * (all - wnn) : largestAcross(x, y, z)) + at * at * turning(A.w) + bt * bt * turning(B.w);
 		if (wnn > 0 && held(wnn, freedom(A.w, B.w)))
 			wnn = pn = px = py = pz = 0;
 	}

@@ -21,7 +21,8 @@ template <class Space> struct WorldOf {
 	std::vector<int32_t> masks;
 	int32_t apart = 0;
 	std::vector<Pair> pairs;
-	std::vector<Stiffness> stiffnesses; // of the pairs; empty: all contacts are rigid
+	bool springs = false; // whether contacts have a stiffness; decides how bodies move, also while no two are near each other
+	std::vector<Stiffness> stiffnesses; // of the pairs, if so; else empty
 	std::vector<Rolling> rollings; // of the pairs; empty: none resists rolling
 	// Of each pair: its first contact, then the number of all. Empty where each pair has one, of its own number, as in the plane.
 	std::vector<int32_t> firstContact;
@@ -40,7 +41,7 @@ template <class Space> struct WorldOf {
 		return !surfaces.empty() && std::any_of(surfaces[body].begin(), surfaces[body].end(), [](double v) { return v != 0; });
 	}
 	bool rolls() const { return !rollings.empty(); }
-	bool compliant() const { return !stiffnesses.empty(); }
+	bool compliant() const { return springs; }
 	// How far ahead of a step's beginning its contacts are located [s]: at the middle, or with stiffnesses, at the beginning.
 	double ahead(double dt) const { return compliant() ? 0 : 0.5 * dt; }
 

@@ -305,8 +305,8 @@ template <class Space> Feasibility feasibility(const ContactSystem<Space>& s, co
 	return search->search(least, products);
 }
 template Feasibility feasibility(const ContactSystem<Plane>&, const std::vector<double>&, double, int);
-template Feasibility feasibility(const ContactSystem<RollingPlane>&, const std::vector<double>&, double, int);
 template Feasibility feasibility(const ContactSystem<Space3>&, const std::vector<double>&, double, int);
+template Feasibility feasibility(const ContactSystem<RollingPlane>&, const std::vector<double>&, double, int);
 Feasibility feasibility(const DelassusSystem& s, double least, int products)
 {
 	const Borrowed<LeastSquares> search(s.memory);
@@ -329,8 +329,8 @@ template <class Space> bool surelySolvable(const ContactSystem<Space>& s, Thread
 		|| !anyOf(threads, s.contacts.size(), [&](std::size_t i) { return !(s.contacts[i].bias >= 0); }));
 }
 template bool surelySolvable(const ContactSystem<Plane>&, Threads*);
-template bool surelySolvable(const ContactSystem<RollingPlane>&, Threads*);
 template bool surelySolvable(const ContactSystem<Space3>&, Threads*);
+template bool surelySolvable(const ContactSystem<RollingPlane>&, Threads*);
 
 template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s, const std::vector<double>& freeVelocity)
 {
@@ -342,7 +342,7 @@ template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s,
 		for (const ContactRow<Space>& c : s.contacts)
 			if (c.wnn > 0) {
 				constexpr int n = Space::freedoms;
-				const double size = sizeOf<double>(c, c.bias, motionOf<Space>(&v[n * c.a]), motionOf<Space>(&v[n * c.b]));
+				const double size = sizeOf(c, c.bias, motionOf<Space>(&v[n * c.a]), motionOf<Space>(&v[n * c.b]));
 				fastest = std::max(fastest, -(normalVelocity(c, v) + c.bias) - roundOff * size);
 			}
 		return fastest;
@@ -360,7 +360,7 @@ template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s,
 	return closing(-1);
 }
 template double closingOfBoundaries(const ContactSystem<Plane>&, const std::vector<double>&);
-template double closingOfBoundaries(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 template double closingOfBoundaries(const ContactSystem<Space3>&, const std::vector<double>&);
+template double closingOfBoundaries(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 
 } // namespace cd

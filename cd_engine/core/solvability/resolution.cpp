@@ -71,14 +71,14 @@ template <class Space> Resolution resolution(const ContactSystem<Space>& s, cons
 		constexpr int n = Space::freedoms;
 		const double un = relativeVelocity(c, s.bodies[c.a], s.bodies[c.b]).n;
 		const double free = relativeVelocity<false>(c, motionOf<Space>(&freeVelocity[n * c.a]), motionOf<Space>(&freeVelocity[n * c.b])).n;
-		const double size = sizeOf<double>(c, c.bias, motionOf<Space>(s.bodies[c.a].v), motionOf<Space>(s.bodies[c.b].v));
+		const double size = sizeOf(c, c.bias, motionOf<Space>(s.bodies[c.a].v), motionOf<Space>(s.bodies[c.b].v));
 		sum.add(static_cast<int32_t>(i), c.wnn, un + c.bias, free + c.bias, size, c.pn, tangentialSquare(impulseOf(c)));
 	}
 	return sum.result();
 }
 template Resolution resolution(const ContactSystem<Plane>&, const std::vector<double>&);
-template Resolution resolution(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 template Resolution resolution(const ContactSystem<Space3>&, const std::vector<double>&);
+template Resolution resolution(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 
 Resolution resolution(const DelassusSystem& s)
 {
@@ -138,7 +138,7 @@ template <class Space> double energyGain(const ContactSystem<Space>& s, const st
 	return after > 0 ? after / before : 0;
 }
 template double energyGain(const ContactSystem<Plane>&, const std::vector<double>&);
-template double energyGain(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 template double energyGain(const ContactSystem<Space3>&, const std::vector<double>&);
+template double energyGain(const ContactSystem<RollingPlane>&, const std::vector<double>&);
 
 } // namespace cd

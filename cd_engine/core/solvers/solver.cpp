@@ -200,15 +200,15 @@ namespace {
 		ConeSolver coneSolver = nullptr;
 		Solver<Space3> spaceSolver = nullptr;
 	};
-	template <Method<ContactSystem<RollingPlane>> method> constexpr Solver<RollingPlane> rolling = solved<ContactSystem<RollingPlane>, method>;
 	template <Method<ContactSystem<Space3>> method> constexpr Solver<Space3> inSpace = solved<ContactSystem<Space3>, method>;
 	const Entry entries[] = {
-		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, rolling<nsgs>, solved<DelassusSystem, nsgs>, solved<ConeSystem, nsgs>, inSpace<nsgs> },
-		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, rolling<accelerated>, solved<DelassusSystem, accelerated>,
-		    solved<ConeSystem, accelerated>, inSpace<accelerated> },
+		{ "nsgs", solved<ContactSystem<Plane>, nsgs>, solved<ContactSystem<RollingPlane>, nsgs>, solved<DelassusSystem, nsgs>,
+		    solved<ConeSystem, nsgs>, inSpace<nsgs> },
+		{ "accelerated", solved<ContactSystem<Plane>, accelerated>, solved<ContactSystem<RollingPlane>, accelerated>,
+		    solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated>, inSpace<accelerated> },
 		{ "newton", solved<ContactSystem<Plane>, newton>, nullptr, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
-		{ "auto", solved<ContactSystem<Plane>, automatic>, rolling<accelerated>, solved<DelassusSystem, automatic>,
-		    solved<ConeSystem, automatic>, inSpace<accelerated> },
+		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<ContactSystem<RollingPlane>, accelerated>,
+		    solved<DelassusSystem, automatic>, solved<ConeSystem, automatic>, inSpace<accelerated> },
 	};
 
 	const Entry& find(const std::string& method)

@@ -87,7 +87,7 @@ std::string solvedBy(const std::string& method, const SolverReport&);
 
 // Null if there is no such method. What they return as converged resolves the velocities, too (resolution.hpp): if the error alone is within the
 // tolerance, they go on to smaller ones. Under fixedIterations nothing of this is done.
-// In space, and where contacts resist rolling, there is no newton for bodies, and auto is accelerated.
+// In space and with moments there is no newton for bodies (null), and auto is accelerated.
 template <class Space = Plane> Solver<Space> findSolver(const std::string& method);
 template <> Solver<Plane> findSolver(const std::string& method);
 template <> Solver<RollingPlane> findSolver(const std::string& method);

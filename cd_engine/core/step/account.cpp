@@ -138,7 +138,7 @@ void Account<Plane>::clear(const Sleepers<Plane>& sleepers)
 }
 
 void Account<Plane>::book(World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder, const ProblemBuilder<Plane>& builder,
-    const ContactRows<Plane>& contacts, Sleepers<Plane>& sleepers, StepReport& report)
+    const ContactRows<Plane>& contacts, const ContactRow<RollingPlane>* rolling, Sleepers<Plane>& sleepers, StepReport& report)
 {
 	spared = contacts.postponed();
 	assert(contacts.size() == finder.pairs().size() && (!spared || (sleepers.none() && contacts.solvedBeside())));
@@ -153,7 +153,6 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 		Carried* const carried = world.carried.data();
 		const bool anyAsleep = !sleepers.none();
 		const RowSettings settings = rowSettings(step);
-		const ContactRow<RollingPlane>* const turning = rolling;
 		const Stiffness* const stiffnesses = world.compliant() ? world.stiffnesses.data() : nullptr;
 		Totals sum { 0, 0, from > 0 ? 0 : report.dissipated };
 		const auto later = [pairOf, last = contacts.size() - 1](std::size_t i) { return pairOf[std::min(i, last)]; };
@@ -180,8 +179,8 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				if (builder.isSpecial(i))
 					effectOf(rows ? rows[i] : builder.specialRow(i), means, p[k], stiffnesses ? stiffnesses[pairOf[i]].kn : 0, dt,
 					    e, l);
-				if (turning && stiffnesses)
-					addSpring(turning[i], e, l);
+				if (rolling && stiffnesses)
+					addSpring(rolling[i], e, l);
 				if (stiffnesses)
 					sum.springs.before += e.before[l];
 				if (pn <= 0) {
@@ -189,7 +188,7 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 					continue;
 				}
 				const double nx = e.nx[l], ny = e.ny[l];
-				const ContactRow<RollingPlane>* const moved = turning ? turning + i : nullptr;
+				const ContactRow<RollingPlane>* const moved = rolling ? rolling + i : nullptr;
 				if (!keeps(nx, ny, pn, pt, moved, was, dt)) {
 					const double fn = pn * rate, ft = pt * rate;
 					was.nx = nx;
@@ -238,12 +237,12 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 	report.dashpots = all.springs.dashpots;
 	known = !sleepers.none();
 	if (known)
-		bookSleeping(world, step, finder, contacts, sleepers, report);
+		bookSleeping(world, step, finder, contacts, rolling, sleepers, report);
 }
 
 // Sums the impulses, and adds what sleeping islands contribute: those that this step has examined and the others.
 void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder,
-    const ContactRows<Plane>& contacts, Sleepers<Plane>& sleepers, StepReport& report)
+    const ContactRows<Plane>& contacts, const ContactRow<RollingPlane>* rolling, Sleepers<Plane>& sleepers, StepReport& report)
 {
 	sums.resize(world.bodies.size());
 	sleepers.powerless.clear();
@@ -287,8 +286,8 @@ void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& ste
 		add(sums[of.body], of.impulse);
 }
 
-const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(
-    const World& world, const ContactFinder<Plane>& finder, const BodyMotion<Plane>& motion, const ContactRows<Plane>& contacts)
+const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(const World& world, const ContactFinder<Plane>& finder,
+    const BodyMotion<Plane>& motion, const ContactRows<Plane>& contacts, const ContactRow<RollingPlane>* rolling)
 {
 	sums.resize(world.bodies.size());
 	if (std::exchange(known, true))

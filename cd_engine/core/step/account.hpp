@@ -13,26 +13,24 @@ template <> class Account<Plane> {
     public:
 	using Impulse = std::array<double, 3>; // on a body: [N s], [N s], about its centre [N m s]
 
-	// The contacts of the step with their moments; null: no pair resists rolling. To be set before they are booked.
-	const ContactRow<RollingPlane>* rolling = nullptr;
-
 	// Before a step: the impulses of the last one can no longer be summed.
 	void begin();
 	// Before a step puts its islands to sleep: those of bodies that sleep already stay.
 	void clear(const Sleepers<Plane>&);
 	// Writes the forces into the world and adds to the counts and the energy. Wakes the islands in which a force changes. If rows are postponed
-	// they must be solved beside.
+	// they must be solved beside. rolling: the same contacts with their moments; null: no pair resists rolling.
 	void book(World&, const StepView<Plane>&, const ContactFinder<Plane>&, const ProblemBuilder<Plane>&, const ContactRows<Plane>&,
-	    Sleepers<Plane>&, StepReport&);
+	    const ContactRow<RollingPlane>* rolling, Sleepers<Plane>&, StepReport&);
 	// The impulses of all contacts on each body in the step that has left the world, those of sleeping islands included.
-	const std::vector<Impulse>& impulses(const World&, const ContactFinder<Plane>&, const BodyMotion<Plane>&, const ContactRows<Plane>&);
+	const std::vector<Impulse>& impulses(
+	    const World&, const ContactFinder<Plane>&, const BodyMotion<Plane>&, const ContactRows<Plane>&, const ContactRow<RollingPlane>* rolling);
 
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
 	bool sparedRows() const { return spared; }
 
     private:
-	void bookSleeping(
-	    const World&, const StepView<Plane>&, const ContactFinder<Plane>&, const ContactRows<Plane>&, Sleepers<Plane>&, StepReport&);
+	void bookSleeping(const World&, const StepView<Plane>&, const ContactFinder<Plane>&, const ContactRows<Plane>&,
+	    const ContactRow<RollingPlane>*, Sleepers<Plane>&, StepReport&);
 
 	std::vector<Impulse> sums;
 	bool known = false; // whether they are summed; if not, nothing sleeps, and they can be summed from the contacts of the last step

@@ -100,7 +100,7 @@ void Account<Space3>::clear(const Sleepers<Space3>& sleepers)
 }
 
 void Account<Space3>::book(WorldOf<Space3>& world, const StepView<Space3>& step, const ContactFinder<Space3>& finder, const ProblemBuilder<Space3>&,
-    const ContactRows<Space3>& contacts, Sleepers<Space3>& sleepers, StepReport& report)
+    const ContactRows<Space3>& contacts, const ContactRow<RollingPlane>*, Sleepers<Space3>& sleepers, StepReport& report)
 {
 	assert(contacts.size() == finder.pairs().size());
 	const auto bookRange = [&](std::size_t from, std::size_t to) {
@@ -200,8 +200,8 @@ void Account<Space3>::bookSleeping(const WorldOf<Space3>& world, const StepView<
 		add(sums[of.body], of.impulse);
 }
 
-const std::vector<Account<Space3>::Impulse>& Account<Space3>::impulses(
-    const WorldOf<Space3>& world, const ContactFinder<Space3>& finder, const BodyMotion<Space3>& motion, const ContactRows<Space3>& contacts)
+const std::vector<Account<Space3>::Impulse>& Account<Space3>::impulses(const WorldOf<Space3>& world, const ContactFinder<Space3>& finder,
+    const BodyMotion<Space3>& motion, const ContactRows<Space3>& contacts, const ContactRow<RollingPlane>*)
 {
 	sums.resize(world.bodies.size());
 	if (std::exchange(known, true))

@@ -13,9 +13,9 @@ template <> class Account<Space3> {
 	void begin();
 	void clear(const Sleepers<Space3>&);
 	void book(WorldOf<Space3>&, const StepView<Space3>&, const ContactFinder<Space3>&, const ProblemBuilder<Space3>&, const ContactRows<Space3>&,
-	    Sleepers<Space3>&, StepReport&);
-	const std::vector<Impulse>& impulses(
-	    const WorldOf<Space3>&, const ContactFinder<Space3>&, const BodyMotion<Space3>&, const ContactRows<Space3>&);
+	    const ContactRow<RollingPlane>* none, Sleepers<Space3>&, StepReport&); // no contact in space resists rolling
+	const std::vector<Impulse>& impulses(const WorldOf<Space3>&, const ContactFinder<Space3>&, const BodyMotion<Space3>&,
+	    const ContactRows<Space3>&, const ContactRow<RollingPlane>* none);
 	bool sparedRows() const { return false; }
 
     private:

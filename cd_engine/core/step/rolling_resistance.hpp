@@ -5,7 +5,7 @@
 // costs the same as if there were none, and gets the same bits. The copies take some 50 ns a contact, as much as ten sweeps.
 #pragma once
 
-#include "step/account.hpp"
+#include "step/contact_finder.hpp"
 
 #include <utility>
 
@@ -22,7 +22,7 @@ template <class Space> class RollingResistance {
 		return {};
 	}
 	void putToSleep(Sleepers<Space>&, const WorldOf<Space>&) const { }
-	void showTo(Account<Space>&) const { }
+	static const ContactRow<RollingPlane>* rows() { return nullptr; }
 };
 
 template <> class RollingResistance<Plane> {
@@ -35,8 +35,8 @@ template <> class RollingResistance<Plane> {
 	SolverReport solve(
 	    const StepView<Plane>&, const ContactFinder<Plane>&, ContactSystem<Plane>&, const SolverSettings&, const Stillness<Plane>&, Effort&);
 	void putToSleep(Sleepers<Plane>& sleepers, const World& world) const { islands.putToSleep(sleepers, world); }
-	// Shows the solution to the account, which needs it until the next step.
-	void showTo(Account<Plane>& account) const { account.rolling = any ? system.contacts.all().data() : nullptr; }
+	// Of the solution; null: no pair resists rolling.
+	const ContactRow<RollingPlane>* rows() const { return any ? system.contacts.all().data() : nullptr; }
 
     private:
 	void makeRows(const StepView<Plane>&, const ContactFinder<Plane>&, const ContactSystem<Plane>&);

@@ -120,7 +120,8 @@ template <class Space> bool TimeStep<Space>::attempt(World& world, const StepVie
 
 template <class Space> StepReport TimeStep<Space>::operator()(World& world, const StepSettings& settings)
 {
-	assert(!world.compliant() || (world.stiffnesses.size() == world.pairs.size() && settings.restitution == 0 && settings.dampingRatio >= 0));
+	assert(world.stiffnesses.size() == (world.compliant() ? world.pairs.size() : 0));
+	assert(!world.compliant() || (settings.restitution == 0 && settings.dampingRatio >= 0));
 	assert(settings.solve && settings.dt > 0 && settings.restitution >= 0 && settings.restitution <= 1 && settings.gapCorrection >= 0);
 	StepReport report;
 	threads.use(settings.threads);
@@ -144,8 +145,7 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 			system.contacts.make();
 		if (world.compliant())
 			report.damped = BodyMotion<Space>::damped(world, system.bodies, threads);
-		rolling.showTo(account);
-		account.book(world, step, finder, builder, system.contacts, sleepers, report);
+		account.book(world, step, finder, builder, system.contacts, rolling.rows(), sleepers, report);
 		rest.plan(report.effort);
 		report.idle = !motion.finish(world, settings.dt, system.bodies, threads) && finder.pairs().empty();
 		if (corrects && correction(world, step, finder, system.contacts.all()))

@@ -54,7 +54,7 @@ template <class Space> class TimeStep {
 	// when somebody asks, so before the next step begins. world: as that step has left it.
 	const std::vector<typename Account::Impulse>& impulsesOn(const World& world)
 	{
-		return account.impulses(world, finder, motion, system.contacts);
+		return account.impulses(world, finder, motion, system.contacts, rolling.rows());
 	}
 	// Whether nobody has read a row of the last step's contacts, so that none was made.
 	bool sparedRows() const { return account.sparedRows(); }
