@@ -60,7 +60,7 @@ class Reader:
 def table(folder):
     """Tables of runs; a row that is not refused can be run."""
     path = folder / "table.txt"
-    path.write_text(tables.text(studies.module("stiffness").ROWS["full"]))
+    path.write_text(tables.text(studies.module("implicit").ROWS["full"]))
 
     def read():
         for row in tables.read(path).values():

@@ -33,7 +33,7 @@ def implicit(md, **more):
     return {name: value for name, value in md.items() if name not in ("md_dt_factor", "md_walls")} | IMPLICIT | more
 
 
-FINER, SLOW_STEP = dict(cd_dt=2.5e-4), dict(cd_dt=2.5e-3)  # grains that rattle, as in a collapse, are damped by long steps
+FINER, SLOW_STEP = dict(cd_dt=2.5e-4), dict(cd_dt=5e-3)  # grains that rattle, as in a collapse, are damped by long steps
 LATE_THREE = (MD_LATE, implicit(MD_LATE), RIGID_LATE)
 ROWS = {"quick": [base | dict(seed=1, ramp_rate=fig5.QUICK, cycles=3) for base in (MD_RAMP, implicit(MD_RAMP), RIGID_RAMP)]
         + [base | dict(seed=1, delta_sigma=HIGHER, cycles=4) for base in LATE_THREE]
@@ -41,10 +41,10 @@ ROWS = {"quick": [base | dict(seed=1, ramp_rate=fig5.QUICK, cycles=3) for base i
         "full": [row for bases, more in (
             ((MD_RAMP, implicit(MD_RAMP), RIGID_RAMP), dict(seed=SEEDS)),
             (LATE_THREE, dict(delta_sigma=LATE_LOAD, seed=SEEDS)), (LATE_THREE, dict(delta_sigma=HIGHER, seed=FEW)),
-            ((collapse.SPRINGS, implicit(collapse.SPRINGS, **FINER), RIGID_COLLAPSE), dict(delta_sigma=LIVES, seed=SEEDS))) for base in bases
-                 for row in product(**base, **more)]
+            ((collapse.SPRINGS, implicit(collapse.SPRINGS, cycles=48, **FINER), RIGID_COLLAPSE), dict(delta_sigma=LIVES, seed=SEEDS)))
+                 for base in bases for row in product(**base, **more)]
         # The step's error, and how much MD itself changes with its tangential law.
-        + product(**implicit(MD_LATE, **FINER), delta_sigma=LATE_LOAD, seed=FEW)
+        + product(**implicit(MD_LATE, cd_dt=5e-4), delta_sigma=LATE_LOAD, seed=FEW)
         + product(**implicit(collapse.SPRINGS), delta_sigma=LIVES[0], seed=SEEDS)
         + product(**MD_RAMP | OTHER_LAW, seed=FEW) + product(**MD_LATE | OTHER_LAW, delta_sigma=LATE_LOAD, seed=FEW)
         + product(**collapse.SPRINGS | OTHER_LAW, delta_sigma=LIVES[0], seed=SEEDS)

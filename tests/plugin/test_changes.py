@@ -135,7 +135,7 @@ LATER = {
     "no shape": (DISK, set_body("shape", None), ["no shape", "O.bodies[2].shape"]),
     "no state": (DISK, set_body("state", None), ["no state", "O.bodies[2].state"]),
     "no material": (DISK, set_body("mat", None), ["friction angle", "O.bodies[2].mat"]),
-    "a facet": (DISK, set_body("shape", wrapper.Facet()), ["Facet", "Sphere"]),
+    "a facet": (DISK, set_body("shape", wrapper.Facet()), ["Facet", "blockedDOFs"]),
     "friction too large": (DISK, lambda O, body: setattr(O.bodies[body].mat, "frictionAngle", 1.5707962),
                            ["friction angle 1.57", "mu = 7.8", "1e6"]),
     "friction NaN": (DISK, lambda O, body: setattr(O.bodies[body].mat, "frictionAngle", NAN), ["friction angle nan", "mat.frictionAngle"]),
