@@ -6,7 +6,6 @@
 #include <cassert>
 #include <cmath>
 #include <iostream>
-#include <type_traits>
 #include <utility>
 
 namespace cd_engine {
@@ -286,9 +285,6 @@ void SceneLink<Space>::gather(yade::Scene* scene, const Vector3r& g, double dt, 
     const std::vector<double>& outran)
 {
 	checkScene(scene, dt);
-	if (std::is_same_v<Space, cd::Space3> && mask > 0)
-		throw SceneError(
-		    "ContactDynamics: belts (mask) are known in the plane only. Keep the scene in a plane by state.blockedDOFs, or set mask to 0");
 	for (const int id : driven) // all of them, since a refusal writes them back
 		readVelocity(id, world.bodies[id]);
 	if (unpublished && (g != gravity || mask != maskBefore))
