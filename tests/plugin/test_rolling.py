@@ -4,8 +4,6 @@ import math
 import pytest
 from yade import utils, wrapper as w
 
-import cd_engine
-
 from . import plane
 
 G = 9.81
@@ -206,3 +204,12 @@ def test_moments_of_springs_are_taken_over(O):
     i = next(i for i in O.interactions if i.isReal)
     assert cd.unconvergedSteps == 0 and moments(O)[0][2] == pytest.approx(2 * G * math.sin(a) * 0.1, rel=1e-3)
     assert i.phys.kr == pytest.approx(kr, rel=1e-12) and O.bodies[disk].state.pos[0] == pytest.approx(place, abs=1e-6)
+
+
+@pytest.mark.parametrize("settings, eta", [(dict(), 0.1), (dict(mask=2), 0)])
+def test_space_knows_neither_moments_nor_belts_and_says_so(O, settings, eta):
+    plane.floor(material(O, eta))
+    O.bodies.append(utils.sphere((0, 0.1, 0), 0.1, material=material(O, eta)))
+    plane.engine(1e-3, gravity=(0, -G, 0), **settings)
+    with pytest.raises(RuntimeError, match="in the plane only"):
+        O.run(1, True)
