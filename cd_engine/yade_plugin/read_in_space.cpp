@@ -36,9 +36,7 @@ namespace {
 template <> void SceneLink<cd::Space3>::findFrame(yade::BodyContainer&)
 {
 	if (mask != 0)
-		throw SceneError(text("ContactDynamics: mask=", mask,
-		    " is for belts, which are known in the plane only. Set mask to 0, and move the "
-		    "boundary itself"));
+		throw SceneError(text("ContactDynamics: mask=", mask, " is for belts, which are known in the plane only. Set mask to 0"));
 	pull = gravity;
 }
 
