@@ -50,7 +50,7 @@ charts: build ## measure and draw speed against accuracy, and where each method 
 	$(PYTHON) -m yade_scripts.measuring $(extent) --jobs $(JOBS)
 	$(PYTHON) -m analysis charts $(extent)
 
-test: build ## all tests and the quick regression run: about 14 minutes on two cores
+test: build ## all tests and the quick regression run: about 10 minutes on two cores
 	@.ci/install-packages test
 	$(PYTHON) yade_scripts/measuring/regression.py --quick
 	$(PYTHON) -m pytest tests -n 2 --dist loadfile -rs

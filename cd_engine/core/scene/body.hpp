@@ -35,6 +35,7 @@ struct alignas(32) Mean {
 static_assert(sizeof(Mean) == 32);
 
 inline Vector centreOf(const Body& b) { return { b.x, b.y }; }
+inline bool turns(const Body& b) { return b.v[2] != 0; }
 
 // Whether a body, or what stands at a place, is a box, a wall or a facet. Read from the radius, so that the shapes of disks stay out of the caches.
 template <class Of> bool isBoundary(const Of& b) { return b.radius == 0; }

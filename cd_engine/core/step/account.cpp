@@ -1,4 +1,4 @@
-#include "step/account.hpp"
+#include "step/account_sums.hpp"
 #include "step/pair_lanes.hpp"
 
 #include <cassert>
@@ -16,17 +16,7 @@ namespace {
 
 	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - onCone); }
 
-	using Energies = SpringEnergies<double>; // members of StepReport [J]
-	Energies operator+(const Energies& a, const Energies& b)
-	{
-		return { a.stored + b.stored, a.before + b.before, a.absorbed + b.absorbed, a.dashpots + b.dashpots };
-	}
-
-	struct Totals {
-		int loaded = 0, sliding = 0;
-		double dissipated = 0, work = 0; // [J]
-		Energies springs {};
-	};
+	using Energies = SpringEnergies<double>;
 
 	// Of the springs of a contact in a step h, from its row (ProblemBuilder::soften).
 	Energies energiesOf(const ContactRow<Plane>& c, const Components<double>& p, double kn, double h)
@@ -52,15 +42,6 @@ namespace {
 		to.stored[lane] += of.stored;
 		to.before[lane] += of.before;
 		to.absorbed[lane] += of.absorbed;
-	}
-
-	// Nothing is left of what the contact of a pair has carried. An island in which a force changes does not sleep.
-	void release(const Pair& pair, Carried& was, Sleepers<Plane>& sleepers)
-	{
-		if (!was.any())
-			return;
-		sleepers.disturb(pair.a, pair.b);
-		was = {};
 	}
 
 	// Whether a contact already has the right force. It is not written again, because it would differ in the last digit when read.
@@ -93,12 +74,6 @@ namespace {
 		e.before[lane] = energies.before;
 		e.absorbed[lane] = energies.absorbed;
 		e.dashpots[lane] = energies.dashpots;
-	}
-
-	void add(Account<Plane>::Impulse& to, const Account<Plane>::Impulse& of)
-	{
-		for (int k = 0; k < 3; k++)
-			to[k] += of[k];
 	}
 
 	double momentOf(const ContactRow<RollingPlane>* rolling, std::size_t contact)
@@ -184,7 +159,7 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				if (stiffnesses)
 					sum.springs.before += e.before[l];
 				if (pn <= 0) {
-					release(pair, was, sleepers);
+					release<Plane>(pair, was, sleepers);
 					continue;
 				}
 				const double nx = e.nx[l], ny = e.ny[l];
@@ -218,72 +193,26 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 		}
 		return sum;
 	};
-	// Only one thread may report what it wakes.
-	const Totals all = reduceRanges<Totals>(
-	    sleepers.none() ? &step.threads : nullptr, contacts.size(), bookRange, [](const Totals& a, const Totals& b) -> Totals {
-		    return { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated, a.work + b.work, a.springs + b.springs };
-	    });
-	if (contacts.size() < world.awake.size())
-		for (const int32_t i : world.awake)
-			if (!finder.isContact(i))
-				release(world.pairs[i], world.carried[i], sleepers);
-	report.loadedContacts += all.loaded;
-	report.slidingContacts += all.sliding;
-	report.dissipated = all.dissipated;
-	report.work = all.work;
-	report.stored = all.springs.stored;
-	report.storedBefore = all.springs.before;
-	report.absorbed = all.springs.absorbed;
-	report.dashpots = all.springs.dashpots;
+	bookAll(world, step, finder, contacts.size(), sleepers, bookRange, report);
 	known = !sleepers.none();
 	if (known)
 		bookSleeping(world, step, finder, contacts, rolling, sleepers, report);
 }
 
-// Sums the impulses, and adds what sleeping islands contribute: those that this step has examined and the others.
 void Account<Plane>::bookSleeping(const World& world, const StepView<Plane>& step, const ContactFinder<Plane>& finder,
     const ContactRows<Plane>& contacts, const ContactRow<RollingPlane>* rolling, Sleepers<Plane>& sleepers, StepReport& report)
 {
-	sums.resize(world.bodies.size());
-	sleepers.powerless.clear();
-	for (std::size_t i = 0; i < contacts.size(); i++) {
+	const auto slidesAt = [&](std::size_t i) { return slides(contacts[i].mu, contacts[i].pn, contacts[i].pt); };
+	const auto stored = [&](std::size_t i) {
+		const double kn = world.stiffnesses[finder.pairs()[i]].kn;
+		return energiesOf(contacts[i], impulseOf(contacts[i]), kn, step.dt()).stored + (rolling ? rollingEnergiesOf(rolling[i]).stored : 0);
+	};
+	const auto give = [&](std::size_t i, const auto& to) {
 		const ContactRow<Plane>& c = contacts[i];
 		const int32_t pair = finder.pairs()[i];
-		SleepingIsland* const asleep = sleepers.islandAt(c.a, c.b);
-		if (asleep && !(c.wnn > 0)) {
-			sleepers.powerless.push_back(pair);
-			continue;
-		}
-		if (asleep) {
-			report.contacts--;
-			asleep->contacts++;
-			asleep->deepest = std::max(asleep->deepest, -finder.gap(world, pair));
-			if (i >= finder.foundFirst()) // a contact that was added later is none in the next step
-				sleepers.disturb(asleep->name, "a contact came late", c.a);
-			asleep->loaded += c.pn > 0;
-			asleep->sliding += c.pn > 0 && slides(c.mu, c.pn, c.pt);
-			if (world.compliant())
-				asleep->stored += energiesOf(c, impulseOf(c), world.stiffnesses[pair].kn, step.dt()).stored
-				    + (rolling ? rollingEnergiesOf(rolling[i]).stored : 0);
-		}
-		if (asleep || c.pn > 0)
-			giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt, momentOf(rolling, i),
-			    [&](int32_t body, const Impulse& impulse) {
-				    if (!asleep || sleepers.sleeps(body))
-					    add(sums[body], impulse);
-				    else
-					    sleepers.addBoundaryImpulse({ asleep->name, static_cast<int32_t>(i), body, impulse });
-			    });
-	}
-	for (const SleepingIsland& island : sleepers.islands()) {
-		report.contacts += island.contacts;
-		report.loadedContacts += island.loaded;
-		report.slidingContacts += island.sliding;
-		report.stored += island.stored;
-		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
-	}
-	for (const auto& of : sleepers.boundaryImpulses())
-		add(sums[of.body], of.impulse);
+		giveBoth(world.pairs[pair], step.motion.places(), finder.overlap(pair), { c.nx, c.ny }, c.pn, c.pt, momentOf(rolling, i), to);
+	};
+	addSleeping(world, finder, contacts, slidesAt, stored, give, sums, sleepers, report);
 }
 
 const std::vector<Account<Plane>::Impulse>& Account<Plane>::impulses(const World& world, const ContactFinder<Plane>& finder,

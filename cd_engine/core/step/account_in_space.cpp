@@ -1,4 +1,5 @@
 #include "step/account_in_space.hpp"
+#include "step/account_sums.hpp"
 
 #include <cassert>
 #include <utility>
@@ -17,17 +18,7 @@ namespace {
 		return mu > 0 && tangentialSquare(p) >= most * most;
 	}
 
-	using Energies = SpringEnergies<double>; // members of StepReport [J]
-	Energies operator+(const Energies& a, const Energies& b)
-	{
-		return { a.stored + b.stored, a.before + b.before, a.absorbed + b.absorbed, a.dashpots + b.dashpots };
-	}
-
-	struct Totals {
-		int loaded = 0, sliding = 0;
-		double dissipated = 0, work = 0; // [J]
-		Energies springs {};
-	};
+	using Energies = SpringEnergies<double>;
 
 	// What the springs of a contact take in a step h, as in the plane.
 	Energies energiesOf(const ContactRow<Space3>& c, double kn, double h)
@@ -45,14 +36,6 @@ namespace {
 			h * dashpot * normal * normal };
 	}
 
-	void release(const Pair& pair, SpaceCarried& was, Sleepers<Space3>& sleepers)
-	{
-		if (!was.any())
-			return;
-		sleepers.disturb(pair.a, pair.b);
-		was = {};
-	}
-
 	// Writes the force of a contact, unless it has it: then it is not written again, because it would differ in the last digit when read.
 	bool write(SpaceCarried& was, const Vector3& n, const SpatialComponents<double>& p, double dt, long iteration)
 	{
@@ -61,12 +44,6 @@ namespace {
 			return false;
 		was = { n, p.n / dt * n, 1 / dt * friction, was.any() ? was.since : iteration };
 		return true;
-	}
-
-	void add(Account<Space3>::Impulse& to, const Account<Space3>::Impulse& of)
-	{
-		for (std::size_t k = 0; k < of.size(); k++)
-			to[k] += of[k];
 	}
 
 	// Calls give(body, impulse) for both bodies of a contact.
@@ -116,7 +93,7 @@ void Account<Space3>::book(WorldOf<Space3>& world, const StepView<Space3>& step,
 			const Energies springs = world.compliant() ? energiesOf(c, world.stiffnesses[index].kn, step.dt()) : Energies {};
 			sum.springs = sum.springs + Energies { 0, springs.before, 0, 0 };
 			if (p.n <= 0) {
-				release(pair, world.carried[index], sleepers);
+				release<Space3>(pair, world.carried[index], sleepers);
 				continue;
 			}
 			if (write(world.carried[index], normalOf(c), p, step.dt(), step.settings.iteration) && anyAsleep)
@@ -133,71 +110,22 @@ void Account<Space3>::book(WorldOf<Space3>& world, const StepView<Space3>& step,
 		}
 		return sum;
 	};
-	// Only one thread may report what it wakes.
-	const Totals all = reduceRanges<Totals>(
-	    sleepers.none() ? &step.threads : nullptr, contacts.size(), bookRange, [](const Totals& a, const Totals& b) -> Totals {
-		    return { a.loaded + b.loaded, a.sliding + b.sliding, a.dissipated + b.dissipated, a.work + b.work, a.springs + b.springs };
-	    });
-	if (contacts.size() < world.awake.size())
-		for (const int32_t i : world.awake)
-			if (!finder.isContact(i))
-				release(world.pairs[i], world.carried[i], sleepers);
-	report.loadedContacts += all.loaded;
-	report.slidingContacts += all.sliding;
-	report.dissipated = all.dissipated;
-	report.work = all.work;
-	report.stored = all.springs.stored;
-	report.storedBefore = all.springs.before;
-	report.absorbed = all.springs.absorbed;
-	report.dashpots = all.springs.dashpots;
+	bookAll(world, step, finder, contacts.size(), sleepers, bookRange, report);
 	known = !sleepers.none();
 	if (known)
 		bookSleeping(world, step, finder, contacts, sleepers, report);
 }
 
-// As in the plane.
 void Account<Space3>::bookSleeping(const WorldOf<Space3>& world, const StepView<Space3>& step, const ContactFinder<Space3>& finder,
     const ContactRows<Space3>& contacts, Sleepers<Space3>& sleepers, StepReport& report)
 {
-	sums.resize(world.bodies.size());
-	sleepers.powerless.clear();
-	for (std::size_t i = 0; i < contacts.size(); i++) {
-		const ContactRow<Space3>& c = contacts[i];
-		const int32_t index = finder.pairs()[i];
-		const Pair& pair = world.pairs[index];
-		SleepingIsland* const asleep = sleepers.islandAt(pair.a, pair.b);
-		if (asleep && !(c.wnn > 0)) {
-			sleepers.powerless.push_back(index);
-			continue;
-		}
-		if (asleep) {
-			report.contacts--;
-			asleep->contacts++;
-			asleep->deepest = std::max(asleep->deepest, -finder.gap(world, index));
-			if (i >= finder.foundFirst()) // a contact that was added later is none in the next step
-				sleepers.disturb(asleep->name, "a contact came late", pair.a);
-			asleep->loaded += c.pn > 0;
-			asleep->sliding += c.pn > 0 && slides(c.mu, impulseOf(c));
-			if (world.compliant())
-				asleep->stored += energiesOf(c, world.stiffnesses[index].kn, step.dt()).stored;
-		}
-		if (asleep || c.pn > 0)
-			giveBoth(pair, step.motion, finder.touch(step, index), impulseOf(c), [&](int32_t body, const Impulse& impulse) {
-				if (!asleep || sleepers.sleeps(body))
-					add(sums[body], impulse);
-				else
-					sleepers.addBoundaryImpulse({ asleep->name, static_cast<int32_t>(i), body, impulse });
-			});
-	}
-	for (const SleepingIsland& island : sleepers.islands()) {
-		report.contacts += island.contacts;
-		report.loadedContacts += island.loaded;
-		report.slidingContacts += island.sliding;
-		report.stored += island.stored;
-		report.maxPenetration = std::max(report.maxPenetration, island.deepest);
-	}
-	for (const auto& of : sleepers.boundaryImpulses())
-		add(sums[of.body], of.impulse);
+	const auto slidesAt = [&](std::size_t i) { return slides(contacts[i].mu, impulseOf(contacts[i])); };
+	const auto stored = [&](std::size_t i) { return energiesOf(contacts[i], world.stiffnesses[finder.pairs()[i]].kn, step.dt()).stored; };
+	const auto give = [&](std::size_t i, const auto& to) {
+		const int32_t pair = finder.pairs()[i];
+		giveBoth(world.pairs[pair], step.motion, finder.touch(step, pair), impulseOf(contacts[i]), to);
+	};
+	addSleeping(world, finder, contacts, slidesAt, stored, give, sums, sleepers, report);
 }
 
 const std::vector<Account<Space3>::Impulse>& Account<Space3>::impulses(const WorldOf<Space3>& world, const ContactFinder<Space3>& finder,

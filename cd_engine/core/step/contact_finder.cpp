@@ -55,7 +55,7 @@ namespace {
 					continue;
 				const BodyVelocity<Plane>& b = step.bodies[pair.b];
 				const double back = (step.place(pair.b).radius - face.distance) / mobility(b, face);
-				motion.shift(pair.b, back * b.w[0] * face.nx, back * b.w[1] * face.ny);
+				motion.shift(pair.b, { back * b.w[0] * face.nx, back * b.w[1] * face.ny });
 			}
 		} while (motion.shifted() > before && before <= step.world.bodies.size());
 	}
@@ -171,49 +171,23 @@ ContactFinder<Plane>::Found ContactFinder<Plane>::search(const StepView<Plane>& 
 {
 	const World& world = step.world;
 	overlaps.resize(world.pairs.size());
-	if (contact.size() != world.pairs.size() || world.awake.size() != world.pairs.size())
-		contact.assign(world.pairs.size(), 0);
-	pairOf.resize(world.awake.size());
+	makeRoom(world);
 	corners.list(world);
-	const auto range = [&](std::size_t from, std::size_t to) { return searchRange(step, from, to); };
-	const Found all = reduceRanges<Found>(&step.threads, world.awake.size(), range, [](const Found& a, const Found& b) {
-		if (a.first + a.contacts < b.first)
-			std::copy_n(b.first, b.contacts, a.first + a.contacts);
-		return Found { a.first, a.contacts + b.contacts, a.through || b.through, a.same && b.same, a.apart || b.apart,
-			std::max(a.deepest, b.deepest), std::min(a.narrowest, b.narrowest) };
-	});
-	pairOf.resize(all.contacts);
-	return all;
+	return searchAll(world, step.threads, [&](std::size_t from, std::size_t to) { return searchRange(step, from, to); });
 }
 
 bool ContactFinder<Plane>::find(World& world, const StepView<Plane>& step, BodyMotion<Plane>& motion, const BodyMotion<Plane>::Start& start)
 {
 	assert(world.firstContact.empty()); // so contacts have the numbers of their pairs
 	assert(&step.world == &world && &step.motion == &motion && world.carried.size() == world.pairs.size());
-	// Whether the flags tell which pairs were contacts in the last step.
-	bool known = start.sameMasses && world.listing != 0 && world.listing == listing && !added && contact.size() == world.pairs.size()
-	    && world.awake.size() == world.pairs.size();
+	bool known = knowsLast(world, start.sameMasses);
 	Found found = search(step);
 	if (found.through) {
 		known = false; // the flags are then those of the first search
 		stopAtFaces(step, motion);
 		found = search(step);
 	}
-	for (std::size_t k = 0; found.apart && k < world.awake.size(); k++)
-		if (Pair& pair = world.pairs[world.awake[k]]; pair.reference > 0 && overlaps[world.awake[k]] <= 0) {
-			pair.reference = 0;
-			apart.push_back(world.awake[k]);
-		}
-	narrowest = found.narrowest;
-	largestOverlap = found.deepest;
-	if (start.guides) {
-		largestOverlap = 0;
-		for (const int32_t i : pairOf)
-			largestOverlap = isGuided(world, world.pairs[i]) ? largestOverlap : std::max(largestOverlap, -gap(world, i));
-	}
-	early = pairOf.size();
-	listing = world.listing;
-	added = false;
+	keep(world, found, start.guides, [&](int32_t i) { return overlaps[i]; });
 	return known && found.same;
 }
 
@@ -242,18 +216,9 @@ bool ContactFinder<Plane>::crosses(const StepView<Plane>& step, std::size_t inde
 
 bool ContactFinder<Plane>::addClosing(const StepView<Plane>& step)
 {
-	const std::vector<int32_t>& awake = step.world.awake;
-	const auto violated = [&](std::size_t k) { return !contact[awake[k]] && crosses(step, awake[k]); };
-	if (!(narrowest <= 2 * quick * step.dt() * step.motion.fastest()) || !anyOf(&step.threads, awake.size(), violated))
-		return false;
-	added = true;
-	for (const int32_t i : awake)
-		if (!contact[i] && fastEnough(step, i)) {
-			pairOf.push_back(i);
-			contact[i] = 1;
-			largestOverlap = std::max(largestOverlap, -gap(step.world, i));
-		}
-	return true;
+	return add(
+	    step, [&](int32_t i) { return crosses(step, i); }, [&](int32_t i) { return fastEnough(step, i); },
+	    [&](int32_t i) { return gap(step.world, i); });
 }
 
 void ContactFinder<Plane>::locateAll(const World& world, const BodyMotion<Plane>& motion)

@@ -5,7 +5,7 @@
 // but whose gap the solution closes join later, and the step is solved again.
 #pragma once
 
-#include "step/step_view.hpp"
+#include "step/found_contacts.hpp"
 
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace cd {
 
 template <class Space> class ContactFinder;
 
-template <> class ContactFinder<Plane> {
+template <> class ContactFinder<Plane> : public FoundContacts<Plane> {
     public:
 	// Finds the contacts. Stops disks whose centre has come through a face. Where the surfaces of a pair are apart, its reference overlap ends.
 	// Returns whether the contacts are those of the last step.
@@ -29,27 +29,12 @@ template <> class ContactFinder<Plane> {
 		const Carried& carried = world.carried[pair];
 		return touchAt(carried.nx, carried.ny, -overlaps[pair], motion.places()[world.pairs[pair].b]);
 	}
-	void forgetSeparated() { apart.clear(); }
 
-	const std::vector<int32_t>& pairs() const { return pairOf; } // the pair of each contact
-	std::size_t foundFirst() const { return early; } // contacts before any has been added
-	bool isContact(int32_t pair) const { return contact[pair]; }
 	double overlap(std::size_t pair) const { return overlaps[pair]; } // the geometric one; negative: apart [m]
 	double gap(const World& world, std::size_t pair) const { return world.pairs[pair].reference - overlaps[pair]; } // [m]
 	void prefetch(std::size_t pair) const { __builtin_prefetch(&overlaps[pair]); }
-	double deepest() const { return largestOverlap; } // of the contacts, beyond the reference one [m]
-	const std::vector<int32_t>& separated() const { return apart; } // pairs whose reference overlap has ended
 
     private:
-	// What a search has found in one part of the pairs.
-	struct Found {
-		int32_t* first = nullptr; // its contacts
-		std::size_t contacts = 0;
-		bool through = false; // a disk must be taken back to a face
-		bool same = true; // the contacts are those of the last search
-		bool apart = false; // a reference overlap has ended
-		double deepest = 0, narrowest = endless; // largest overlap beyond the reference, smallest gap left out [m]
-	};
 	struct Examined {
 		double overlap, gap; // [m]
 		bool contact, through;
@@ -61,16 +46,8 @@ template <> class ContactFinder<Plane> {
 	bool fastEnough(const StepView<Plane>&, std::size_t pair) const;
 	bool crosses(const StepView<Plane>&, std::size_t pair) const;
 
-	std::vector<int32_t> pairOf;
-	std::vector<char> contact; // of each pair; 1: it is one
 	std::vector<double> overlaps; // of the pairs examined [m]
 	HiddenCorners corners;
-	std::size_t early = 0;
-	double largestOverlap = 0;
-	double narrowest = 0; // smallest gap of a pair that was left out [m]
-	std::vector<int32_t> apart;
-	long listing = 0; // World::listing of the last step
-	bool added = false; // the last step has added contacts
 };
 
 } // namespace cd

@@ -137,38 +137,14 @@ bool ContactFinder<Space3>::find(
     WorldOf<Space3>& world, const StepView<Space3>& step, BodyMotion<Space3>& motion, const BodyMotion<Space3>::Start& start)
 {
 	assert(world.firstContact.empty() && &step.world == &world && &step.motion == &motion && world.carried.size() == world.pairs.size());
-	bool known = start.sameMasses && world.listing != 0 && world.listing == listing && !added && contact.size() == world.pairs.size()
-	    && world.awake.size() == world.pairs.size();
+	bool known = knowsLast(world, start.sameMasses);
 	meetings.resize(world.pairs.size());
-	if (contact.size() != world.pairs.size() || world.awake.size() != world.pairs.size())
-		contact.assign(world.pairs.size(), 0);
-	pairOf.resize(world.awake.size());
+	makeRoom(world);
 	features.list(world);
 	locate(step);
 	known = !stopAtFaces(step, motion) && known;
-	const auto range = [&](std::size_t from, std::size_t to) { return choose(step, from, to); };
-	const Found found = reduceRanges<Found>(&step.threads, world.awake.size(), range, [](const Found& a, const Found& b) {
-		if (a.first + a.contacts < b.first)
-			std::copy_n(b.first, b.contacts, a.first + a.contacts);
-		return Found { a.first, a.contacts + b.contacts, a.same && b.same, a.apart || b.apart, std::max(a.deepest, b.deepest),
-			std::min(a.narrowest, b.narrowest) };
-	});
-	pairOf.resize(found.contacts);
-	for (std::size_t k = 0; found.apart && k < world.awake.size(); k++)
-		if (Pair& pair = world.pairs[world.awake[k]]; pair.reference > 0 && meetings[world.awake[k]].overlap <= 0) {
-			pair.reference = 0;
-			apart.push_back(world.awake[k]);
-		}
-	narrowest = found.narrowest;
-	largestOverlap = found.deepest;
-	if (start.guides) {
-		largestOverlap = 0;
-		for (const int32_t i : pairOf)
-			largestOverlap = isGuided(world, world.pairs[i]) ? largestOverlap : std::max(largestOverlap, -gap(world, i));
-	}
-	early = pairOf.size();
-	listing = world.listing;
-	added = false;
+	const Found found = searchAll(world, step.threads, [&](std::size_t from, std::size_t to) { return choose(step, from, to); });
+	keep(world, found, start.guides, [&](int32_t i) { return meetings[i].overlap; });
 	return known && found.same;
 }
 
@@ -194,18 +170,9 @@ bool ContactFinder<Space3>::crosses(const StepView<Space3>& step, std::size_t in
 
 bool ContactFinder<Space3>::addClosing(const StepView<Space3>& step)
 {
-	const std::vector<int32_t>& awake = step.world.awake;
-	const auto violated = [&](std::size_t k) { return !contact[awake[k]] && crosses(step, awake[k]); };
-	if (!(narrowest <= 2 * quick * step.dt() * step.motion.fastest()) || !anyOf(&step.threads, awake.size(), violated))
-		return false;
-	added = true;
-	for (const int32_t i : awake)
-		if (!contact[i] && fastEnough(step, i)) {
-			pairOf.push_back(i);
-			contact[i] = 1;
-			largestOverlap = std::max(largestOverlap, -gap(step.world, i));
-		}
-	return true;
+	return add(
+	    step, [&](int32_t i) { return crosses(step, i); }, [&](int32_t i) { return fastEnough(step, i); },
+	    [&](int32_t i) { return gap(step.world, i); });
 }
 
 void ContactFinder<Space3>::locateAll(const WorldOf<Space3>& world, const BodyMotion<Space3>& motion)

@@ -6,7 +6,7 @@
 
 namespace cd {
 
-template <> class ContactFinder<Space3> {
+template <> class ContactFinder<Space3> : public FoundContacts<Space3> {
     public:
 	bool find(WorldOf<Space3>&, const StepView<Space3>&, BodyMotion<Space3>&, const BodyMotion<Space3>::Start&);
 	bool addClosing(const StepView<Space3>&);
@@ -15,27 +15,15 @@ template <> class ContactFinder<Space3> {
 	{
 		return touchAt(world.carried[pair].n, -meetings[pair].overlap, motion.places()[world.pairs[pair].b]);
 	}
-	void forgetSeparated() { apart.clear(); }
 
-	const std::vector<int32_t>& pairs() const { return pairOf; }
-	std::size_t foundFirst() const { return early; }
-	bool isContact(int32_t pair) const { return contact[pair]; }
 	double gap(const WorldOf<Space3>& world, std::size_t pair) const { return world.pairs[pair].reference - meetings[pair].overlap; }
 	// Where the bodies of a pair met when they were located last, half a step ahead.
 	SpaceTouch touch(const StepView<Space3>& step, std::size_t pair) const
 	{
 		return touchAt(meetings[pair].n, -meetings[pair].overlap, step.place(step.world.pairs[pair].b));
 	}
-	double deepest() const { return largestOverlap; }
-	const std::vector<int32_t>& separated() const { return apart; }
 
     private:
-	struct Found {
-		int32_t* first = nullptr;
-		std::size_t contacts = 0;
-		bool same = true, apart = false;
-		double deepest = 0, narrowest = endless;
-	};
 	void locate(const StepView<Space3>&);
 	Found choose(const StepView<Space3>&, std::size_t from, std::size_t to);
 	bool closes(const StepView<Space3>&, std::size_t pair, double gap) const;
@@ -45,15 +33,8 @@ template <> class ContactFinder<Space3> {
 	bool isThrough(const StepView<Space3>&, const Pair&, SpaceFoot&) const;
 	bool stopAtFaces(const StepView<Space3>&, BodyMotion<Space3>&);
 
-	std::vector<int32_t> pairOf;
-	std::vector<char> contact; // of each pair; 1: it is one
 	std::vector<SpaceMeeting> meetings; // of the pairs examined
 	HiddenFeatures features;
-	std::size_t early = 0;
-	double largestOverlap = 0, narrowest = 0;
-	std::vector<int32_t> apart;
-	long listing = 0;
-	bool added = false;
 };
 
 } // namespace cd

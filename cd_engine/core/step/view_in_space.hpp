@@ -1,7 +1,6 @@
 // What the parts of a step in space read of it: step_view.hpp says what the members do.
 #pragma once
 
-#include "step/motion_in_space.hpp"
 #include "step/step_view.hpp"
 
 namespace cd {
