@@ -21,15 +21,15 @@ def quantities(table):
     rows = table.to_dict("records")
     gain = flow_costs.gains(rows, SMALL)
     low, middle, high, _ = flow_costs.spread(flow_costs.drawn_gains(rows, SMALL))
-    springs = pandas.DataFrame({scene: flow_costs.cheapest(rows, scene, SMALL, "MD") for scene in QUANTITY}).T
+    springs = pandas.DataFrame({scene: flow_costs.cheapest(rows, scene, SMALL, flow_costs.MD) for scene in QUANTITY}).T
     fine, coarser, coarsest, coarse, proposed, strict, default = (
         flow_costs.of_setting(table, setting) for setting in (FINE, COARSER, COARSEST, COARSE, PROPOSED, STRICT, DEFAULT))
     corrected, others = flow_costs.of_setting(table, COARSE, 0.1), [scene for scene in QUANTITY if scene != "collapse"]
     beside_default = (default.seconds / springs.seconds)[others].astype(float)
     judged = table[~table.is_rigid_answer & table.apply(flow_costs.is_judged, axis=1)]
     assert np.isinf(high[["hopper", "drum"]]).all()
-    assert [scene for scene in QUANTITY if not flow_costs.reaching(rows, scene, SMALL, "MD")] == ["collapse"]
-    assert all(flow_costs.reaching(rows, scene, SMALL, "CD") for scene in QUANTITY) and springs.setting["collapse"] == 1e8
+    assert [scene for scene in QUANTITY if not flow_costs.reaching(rows, scene, SMALL, flow_costs.MD)] == ["collapse"]
+    assert all(flow_costs.reaching(rows, scene, SMALL, flow_costs.RIGID) for scene in QUANTITY) and springs.setting["collapse"] == 1e8
     assert all(own.error.abs().idxmax() == "collapse" for own in (fine, coarser, coarsest))
     assert strict.unsolved.idxmax() == "drum" and set(strict.seeds) == {2}
     return locals()

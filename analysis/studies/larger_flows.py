@@ -2,7 +2,7 @@
 import numpy as np
 
 from analysis import flow_costs
-from analysis.flow_costs import COARSE, COARSER, FINE, HARDER, MIDDLE, QUANTITY, STIFF, draw, rows_of, summarize
+from analysis.flow_costs import COARSE, COARSER, FINE, HARDER, MD, MIDDLE, QUANTITY, STIFF, draw, rows_of, summarize
 
 __all__ = ["draw", "summarize"]
 
@@ -26,7 +26,7 @@ def quantities(table):
     low, _, high, _ = flow_costs.spread(flow_costs.drawn_gains(rows, MANY))
     fine, coarser, coarse = (flow_costs.of_setting(table, setting) for setting in (FINE, COARSER, COARSE))
     falling = md.loc["collapse"]
-    assert [scene for scene in QUANTITY if not flow_costs.reaching(rows, scene, MANY, "MD")] == ["collapse"]
-    assert flow_costs.cheapest(rows, "collapse", MANY, "CD")["step"] == FINE["cd_dt"] and coarser.error.abs().idxmax() == "collapse"
+    assert [scene for scene in QUANTITY if not flow_costs.reaching(rows, scene, MANY, MD)] == ["collapse"]
+    assert flow_costs.cheapest(rows, "collapse", MANY, flow_costs.RIGID)["step"] == FINE["cd_dt"] and coarser.error.abs().idxmax() == "collapse"
     assert np.isinf(high[["hopper", "drum", "filling"]]).all()
     return locals()

@@ -23,6 +23,7 @@ template <class Space> struct IslandPart {
 		system.places.clear();
 		system.contacts.clear();
 		system.contacts.compliant = whole.contacts.compliant;
+		system.contacts.pushing = whole.contacts.pushing;
 		freeVelocity.clear();
 		bodies.clear();
 		contacts.clear();

@@ -45,6 +45,7 @@ template <class Space> class ContactRows {
 		count++;
 	}
 	bool compliant = false; // each contact has a stiffness
+	bool pushing = true; // biases may push bodies apart (rebounds, a gap correction); else they are gaps, and the second order of turning faces
 
 	// Rows that stay keep their numbers.
 	void resize(std::size_t now)

@@ -342,8 +342,10 @@ template <class Space> double closingOfBoundaries(const ContactSystem<Space>& s,
 		for (const ContactRow<Space>& c : s.contacts)
 			if (c.wnn > 0) {
 				constexpr int n = Space::freedoms;
-				const double size = sizeOf(c, c.bias, motionOf<Space>(&v[n * c.a]), motionOf<Space>(&v[n * c.b]));
-				fastest = std::max(fastest, -(normalVelocity(c, v) + c.bias) - roundOff * size);
+				// What a turning face adds in the second order depends on how the body slides along it, and presses nothing.
+				const double bias = s.contacts.pushing ? c.bias : std::max(c.bias, 0.);
+				const double size = sizeOf(c, bias, motionOf<Space>(&v[n * c.a]), motionOf<Space>(&v[n * c.b]));
+				fastest = std::max(fastest, -(normalVelocity(c, v) + bias) - roundOff * size);
 			}
 		return fastest;
 	};

@@ -59,6 +59,7 @@ SolverReport RollingResistance<Plane>::solve(const StepView<Plane>& step, const 
 	system.memory = planar.memory;
 	system.contactSet = planar.contactSet;
 	system.contacts.compliant = planar.contacts.compliant;
+	system.contacts.pushing = planar.contacts.pushing;
 	system.bodies.swap(planar.bodies);
 	system.places.swap(planar.places);
 	const SolverReport report = step.settings.reduce ? islands(system, step.settings.solveRolling, settings, effort, &stillness)

@@ -20,9 +20,10 @@ template <class Space> void TimeStep<Space>::prepare(World& world, const StepVie
 	const auto start = motion.begin(world, s.dt, system, threads);
 	const bool same = finder.find(world, step, motion, start);
 	// Rows that push need a proof that there is a solution (feasibility.hpp), which reads all of them.
-	const bool pushes = start.turns || s.gapCorrection != 0 || s.restitution != 0;
+	const bool pushes = s.gapCorrection != 0 || s.restitution != 0;
 	system.contacts.compliant = world.compliant();
-	builder.build(step, finder, system, same, !pushes && s.warmStart && sleepers.none() && !world.rolls());
+	system.contacts.pushing = pushes;
+	builder.build(step, finder, system, same, !pushes && !start.turns && s.warmStart && sleepers.none() && !world.rolls());
 	rolling.guess(step, finder, s.warmStart);
 }
 
