@@ -33,7 +33,7 @@ def implicit(md, **more):
     return {name: value for name, value in md.items() if name not in ("md_dt_factor", "md_walls")} | IMPLICIT | more
 
 
-FINER, SLOW_STEP = dict(cd_dt=2.5e-4), dict(cd_dt=5e-3)  # grains that rattle, as in a collapse, are damped by long steps
+FINER, HALF, SLOW_STEP = dict(cd_dt=2.5e-4), dict(cd_dt=5e-4), dict(cd_dt=5e-3)  # grains that rattle, as in a collapse, are damped by long steps
 LATE_THREE = (MD_LATE, implicit(MD_LATE), RIGID_LATE)
 ROWS = {"quick": [base | dict(seed=1, ramp_rate=fig5.QUICK, cycles=3) for base in (MD_RAMP, implicit(MD_RAMP), RIGID_RAMP)]
         + [base | dict(seed=1, delta_sigma=HIGHER, cycles=4) for base in LATE_THREE]
@@ -44,7 +44,7 @@ ROWS = {"quick": [base | dict(seed=1, ramp_rate=fig5.QUICK, cycles=3) for base i
             ((collapse.SPRINGS, implicit(collapse.SPRINGS, cycles=48, **FINER), RIGID_COLLAPSE), dict(delta_sigma=LIVES, seed=SEEDS)))
                  for base in bases for row in product(**base, **more)]
         # The step's error, and how much MD itself changes with its tangential law.
-        + product(**implicit(MD_LATE, cd_dt=5e-4), delta_sigma=LATE_LOAD, seed=FEW)
+        + product(**implicit(MD_LATE, **HALF), delta_sigma=LATE_LOAD, seed=FEW)
         + product(**implicit(collapse.SPRINGS), delta_sigma=LIVES[0], seed=SEEDS)
         + product(**MD_RAMP | OTHER_LAW, seed=FEW) + product(**MD_LATE | OTHER_LAW, delta_sigma=LATE_LOAD, seed=FEW)
         + product(**collapse.SPRINGS | OTHER_LAW, delta_sigma=LIVES[0], seed=SEEDS)
@@ -95,7 +95,7 @@ def _window(window):
 
 def other_step(table):
     """Return which rows of late cycles and collapse show the step's error."""
-    step = table.experiment.map({LATE: FINER["cd_dt"], COLLAPSE: IMPLICIT["cd_dt"]})
+    step = table.experiment.map({LATE: HALF["cd_dt"], COLLAPSE: IMPLICIT["cd_dt"]})
     return (table.medium == SPRINGS) & (table.step_s == step)
 
 
@@ -201,7 +201,7 @@ def quantities(table):
     below = {medium: of(LATE, medium)[lambda rows: rows["load over limit"] < 0.96] for medium in (MD, SPRINGS, RIGID)}
     first, late = (_pairs(below[SPRINGS], below[MD], name) for name in ("first cycle", "rate"))
     all_first, all_late = (_pairs(of(LATE, SPRINGS), of(LATE, MD), name) for name in ("first cycle", "rate"))
-    fine_first, fine_late = (_pairs(stepped(LATE), of(LATE, MD), name) for name in ("first cycle", "rate"))
+    half_late = _pairs(stepped(LATE), of(LATE, MD), "rate")
     law_first, law_late = (_pairs(other(LATE), of(LATE, MD), name) for name in ("first cycle", "rate"))
     rests = below[RIGID][["first cycle", "rate"]].abs().max().max()
     lives = {load: {medium: of(COLLAPSE, medium)[lambda rows: rows.dSigma == load] for medium in (MD, SPRINGS, RIGID)} for load in LIVES}
@@ -213,6 +213,8 @@ def quantities(table):
     slow_md, slow = of(SLOW, MD), of(SLOW, SPRINGS)
     slow_ratios = {window: _pairs(slow, slow_md, _window(window)) for window in WINDOWS if window[1] <= OVERLAP}
     cost = {medium: (rows.seconds / count).median() for medium, rows, count in ((MD, slow_md, OVERLAP), (SPRINGS, slow, SLOW_COUNT))}
+    window_name = _window(WINDOWS[-1])
     ends = slow.set_index(["dSigma", "packing"])[[_window(window) for window in WINDOWS]]
+    late_slow = lambda load: ends[window_name].loc[load].abs()
     faster = {which: 1 / _pairs(of(which, SPRINGS), of(which, MD), "seconds") for which in (RAMP, LATE)}
     return locals() | {"window": _window, "MD": MD, "SPRINGS": SPRINGS, "RIGID": RIGID}
