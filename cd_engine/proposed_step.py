@@ -58,7 +58,8 @@ def timeStep(gravity=None, speed=None, share=None):
         raise ValueError(f"timeStep: gravity={gravity!r} is not a vector of three finite numbers, such as (0, -9.81, 0)")
     movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not set("xyz") <= set(body.state.blockedDOFs)]
     if not movable:
-        raise ValueError("timeStep: no disk in the scene can move. Append the disks first")
+        raise ValueError("timeStep: no disk in the scene can move. Append the disks first. If an engine makes them later, set O.dt to a "
+                         "quarter of their smallest radius over their highest speed")
     if any(part and all(axis in body.state.blockedDOFs for body in movable) for axis, part in zip("xyz", (x, y, z))):
         raise ValueError(f"timeStep: gravity={tuple(gravity)} m/s^2 points along an axis along which no disk can move. Let it point in the plane of "
                          "the scene")
