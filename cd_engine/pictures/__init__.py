@@ -44,8 +44,8 @@ def picture(path, colour="speed", *, label=None, limits=None, forces=None, stron
     layout.figure(seen, shape, view, label=label, forces=forces, rotation=rotation, title=title, **options).savefig(path, dpi=dpi)
 
 
-def film(path, every, colour="speed", *, fps=None, label=None, limits=None, forces=None, strongest=None, rotation=None, view=None, look=None, size=5.0,
-         dpi=100):
+def film(path, every, colour="speed", *, fps=None, label=None, limits=None, forces=None, strongest=None, rotation=None, view=None, look=None,
+         size=5.0, dpi=100):
     """Return an engine for O.engines that adds a frame to a film at each `every` [s] of the scene's time, and one at the start of the run.
 
         O.engines = O.engines + [cd_engine.film("drum.gif", every=0.05)]

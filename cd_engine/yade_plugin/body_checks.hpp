@@ -95,7 +95,8 @@ inline std::optional<cd::ShapeKind> kindOf(const void* shape)
 	if (name == "Clump")
 		refuseBody(id, "is a clump", releaseClump);
 	refuseBody(id, "has the shape " + name,
-	    "Only Sphere, Box, Wall and Facet are known. Replace it, a fixed one by Facets as geom.facetCylinder or ymport.stl make them, or erase it");
+	    "Only Sphere, Box, Wall and Facet are known. Replace it, a fixed one by Facets as geom.facetCylinder or ymport.stl make them, or erase "
+	    "it");
 }
 
 } // namespace cd_engine

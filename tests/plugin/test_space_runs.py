@@ -9,7 +9,7 @@ from yade import geom, utils, wrapper as w
 
 import cd_engine
 
-from .test_space import G, ball, cloud, material, run, state, vector
+from .test_space import G, ball, material, run, state, vector
 
 
 def drum(mat, radius=0.15, segments=10):
@@ -49,7 +49,7 @@ def test_spheres_in_a_turning_drum_stay_inside_and_account_for_its_work(O):
 
 
 def test_spheres_in_a_turning_drum_stay_inside(O):
-    """Overlaps of a hundredth of a radius at most, by gapCorrection: in the axes of the drum, its faces are at radius * cos(pi / segments) at least."""
+    """With gapCorrection overlaps are a hundredth of a radius at most."""
     ids, spheres = turning(O)
     O.run(1500, True)
     for i in spheres:
@@ -184,9 +184,13 @@ def rolling(mat):
     return utils.sphere((0, 0, 5), 0.1, material=index)
 
 
-@pytest.mark.parametrize("make, words", [(polyhedron, "has the shape Polyhedra. .* or erase it"), *[(shaped(lambda name=name: getattr(w, name)(radius=0.1)), f"has the shape {name}. .* Replace it, a fixed one by Facets")
-                                           for name in ("Cylinder", "ChainedCylinder", "GridNode", "GridConnection", "PFacet")],
-                                         (rolling, "rolling resistance of a CohFrictMat is known in the plane only. Set its momentRotationLaw to")])
+NO_SHAPE = "Cylinder", "ChainedCylinder", "GridNode", "GridConnection", "PFacet"
+
+
+@pytest.mark.parametrize("make, words", [
+    (polyhedron, "has the shape Polyhedra. .* or erase it"),
+    *[(shaped(lambda name=name: getattr(w, name)(radius=0.1)), f"has the shape {name}. .* Replace it, a fixed one by Facets") for name in NO_SHAPE],
+    (rolling, "rolling resistance of a CohFrictMat is known in the plane only. Set its momentRotationLaw to")])
 def test_bodies_that_are_refused_by_name(O, make, words):
     mat = material()
     ball((0, 0, 1), 0.1, mat)
@@ -196,7 +200,8 @@ def test_bodies_that_are_refused_by_name(O, make, words):
         O.run(1, True)
 
 
-@pytest.mark.parametrize("engine", ["Law2_ScGeom_CapillaryPhys_Capillarity", "TriaxialStressController", "InteractionLoop", "GlobalStiffnessTimeStepper"])
+@pytest.mark.parametrize("engine", ["Law2_ScGeom_CapillaryPhys_Capillarity", "TriaxialStressController", "InteractionLoop",
+                                    "GlobalStiffnessTimeStepper"])
 def test_engines_that_are_refused_by_name(O, engine):
     ball((0, 0, 1), 0.1, material())
     reset, collider, cd = cd_engine.engines(gravity=(0, 0, -G))

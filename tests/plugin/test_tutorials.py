@@ -115,9 +115,9 @@ def both(folder, before, after, springs, rigid, may_say="nothing"):
 
 
 def test_bouncing_sphere(tmp_path):
-    """Damping d takes the share d of all forces while they do work, and adds it where work is done against them: of a rebound of springs there remains
-    the height (1 - d)^2/(1 + d)^2, so restitution is (1 - d)/(1 + d) = 9/11. A step of Contact Dynamics begins the rebound by up to its way too early:
-    timeStep() lets a sphere move by a twentieth of its radius. At rest springs are pressed by m g/k_n = 1 mm."""
+    """Damping d takes the share d of all forces while they do work, and adds it where work is done against them: of a rebound of springs there
+    remains the height (1 - d)^2/(1 + d)^2, so restitution is (1 - d)/(1 + d) = 9/11. A step of Contact Dynamics begins the rebound by up to its way
+    too early: timeStep() lets a sphere move by a twentieth of its radius. At rest springs are pressed by m g/k_n = 1 mm."""
     springs, rigid = both(tmp_path, *BOUNCING)
     for found in springs, rigid:
         assert found["rebound"] == pytest.approx((9 / 11)**2, abs=0.05 * 0.5)
@@ -130,7 +130,8 @@ def test_gravity_deposition(tmp_path):
     """Both lie in the box to within half a grain of the same height, since how densely grains fall depends on their damping. Energies of Contact
     Dynamics add up to what they were. One step in a hundred may miss its tolerance: sweeps alone are slow in space."""
     before, after, springs, rigid = FALLING
-    springs, rigid = both(tmp_path, before.replace("RANGE", "0.5"), after, springs, rigid.replace("SETTINGS", ""), may_say="is not solved|missed their tolerance")
+    springs, rigid = both(tmp_path, before.replace("RANGE", "0.5"), after, springs, rigid.replace("SETTINGS", ""),
+                          may_say="is not solved|missed their tolerance")
     for found in springs, rigid:
         assert found["inside"] == found["grains"] > 50 and found["unbalanced"] < 0.05 and {"i", "unbalanced", "gravWork"} <= set(found["columns"])
     assert rigid["height"] == pytest.approx(springs["height"], abs=0.08 / 2)

@@ -7,8 +7,8 @@
 The spheres fall into a box of facets and come to rest; then a plate (a Wall) goes down at 0.1 m/s until it carries the load [kN], and up until it
 carries a hundredth of it. Contacts have the springs of the material in both methods, since rigid grains would not yield: Contact Dynamics solves them
 implicitly, in longer steps. oedometer.png shows the spheres under the load, oedometer-force.png the force on the plate against its way;
-oedometer-*.vtk hold spheres, contacts and facets for Paraview, oedometer.yade.gz the state under the load. From that state both methods then run for a
-moment, and their costs are printed.
+oedometer-*.vtk hold spheres, contacts and facets for Paraview, oedometer.yade.gz the state under the load. From that state both methods then run for
+a moment, and their costs are printed.
 """
 import math, pathlib, sys, time
 file = sys._getframe().f_code.co_filename  # YADE sets no __file__

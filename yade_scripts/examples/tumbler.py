@@ -7,8 +7,8 @@
 
 The script writes the drum, with six blades, to tumbler.stl, as a program for construction would, and reads it by YADE's ymport.stl; YADE's
 RotationEngine turns it. The spheres differ by their density, and first lie side by side. tumbler.png shows them at the end, coloured by where they
-came from, tumbler-mixing.png how far the two kinds are apart against time; tumbler-*.vtk hold spheres and facets for Paraview, tumbler.yade.gz the last
-state. From that state both methods then run for a moment, and their costs are printed.
+came from, tumbler-mixing.png how far the two kinds are apart against time; tumbler-*.vtk hold spheres and facets for Paraview, tumbler.yade.gz the
+last state. From that state both methods then run for a moment, and their costs are printed.
 """
 import math, pathlib, random, sys, time
 file = sys._getframe().f_code.co_filename  # YADE sets no __file__
@@ -28,8 +28,8 @@ for word in sys.argv[1:]:
 readParamsFromTable(noTableOk=True, **settings)
 from yade.params.table import spheres, springs, seconds, film
 if not (isinstance(spheres, int) and spheres >= 1 and isinstance(seconds, (int, float)) and 0.1 <= seconds < 1e9 and {springs, film} <= {0, 1}):
-    sys.exit(f"spheres={spheres}, springs={springs}, seconds={seconds}, film={film}: spheres must be a whole number of at least 1, springs and film 0 "
-             "or 1, seconds at least 0.1")
+    sys.exit(f"spheres={spheres}, springs={springs}, seconds={seconds}, film={film}: spheres must be a whole number of at least 1, springs and film "
+             "0 or 1, seconds at least 0.1")
 name = f"tumbler-{O.tags['d.id']}" if runningInBatch() else "tumbler"  # of the files written: every row of a table has its own
 
 draw = random.Random(1).uniform                                                            # YADE reseeds the common generator for colours
