@@ -144,6 +144,22 @@ def test_springs_then_rigid_grains_then_springs(O):
     assert utils.unbalancedForce() < 1e-3 and on_the_floor() == pytest.approx(weight, rel=1e-3) and moved() < 10 * deepest
 
 
+def test_springs_that_overlap_much_are_too_soft_also_at_the_first_step(O, capfd):
+    """Springs of Contact Dynamics take over deep overlaps of YADE's: nobody has put the bodies there."""
+    mat, radius = material(), 0.1
+    O.materials[mat].young = 1e5
+    O.bodies.append(geom.facetBox((0, 0, 0.5), (0.5, 0.5, 0.5), wallMask=16, material=mat))
+    sphere = ball((0.1, -0.3, radius), radius, mat)
+    O.forces.setPermF(sphere, (0, 0, -400))
+    springs(O)
+    O.run(3000, True)
+    assert max(i.geom.penetrationDepth for i in O.interactions if i.isReal) > 0.25 * radius
+    capfd.readouterr()
+    O.engines, O.dt = cd_engine.engines(gravity=(0, 0, -G), materialStiffness=True), 1e-3
+    O.run(2, True)
+    assert "The springs are too soft for what presses on them" in capfd.readouterr().err
+
+
 def test_bodies_come_and_go_in_a_run(O):
     """A PyRunner erases a sphere and a facet and puts a new sphere in; the floor then carries what is there."""
     mat = material(0.5)
