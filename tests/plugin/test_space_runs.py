@@ -224,3 +224,21 @@ def test_engines_that_are_refused_by_name(O, engine):
     O.engines, O.dt = [reset, collider, getattr(w, engine)(), cd], 1e-3
     with pytest.raises(RuntimeError, match=f"{engine}.* Remove it"):
         O.run(1, True)
+
+
+def test_a_planar_scene_that_gains_a_facet_goes_over_to_space(O, capfd):
+    """A disk kept in the plane then rests on the facet as it did on the wall, one message says why, and it stays in its plane."""
+    mat = material(0.5)
+    wall = O.bodies.append(utils.wall(0, axis=1, material=mat))
+    disk = ball((0, 0.1, 0), 0.1, mat)
+    O.bodies[disk].state.blockedDOFs = "zXY"
+    O.engines, O.dt = cd_engine.engines(gravity=(0, -G, 0)), 1e-3
+    O.run(10, True)
+    assert not O.engines[2].inSpace
+    facet = O.bodies.append(utils.facet([(-1, 0, -1), (1, 0, -1), (0, 0, 2)], material=mat))
+    O.bodies.erase(wall)
+    O.run(50, True)
+    message = capfd.readouterr().err
+    assert O.engines[2].inSpace and message.count("solved in space") == 1 and f"body #{facet}" in message
+    assert vector(O.bodies[disk].state.pos) == pytest.approx((0, 0.1, 0), abs=1e-9)
+    assert O.forces.f(facet)[1] == pytest.approx(-G * O.bodies[disk].state.mass, rel=1e-6)
