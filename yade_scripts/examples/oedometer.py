@@ -10,7 +10,7 @@ implicitly, in longer steps. oedometer.png shows the spheres under the load, oed
 oedometer-*.vtk hold spheres, contacts and facets for Paraview, oedometer.yade.gz the state under the load. From that state both methods then run for
 a moment, and their costs are printed.
 """
-import math, pathlib, sys, time
+import pathlib, sys, time
 file = sys._getframe().f_code.co_filename  # YADE sets no __file__
 if locals() is not globals():
     sys.exit(f"write execfile({file!r}, globals()): without globals() the functions of a script do not find its names")
@@ -77,7 +77,8 @@ set_engines(springs)
 space = export.VTKExporter(name)  # Debian's VTKRecorder reads uninitialized memory and crashes some runs
 plot.plots = {"way": "force"}
 start = time.process_time()
-O.engines = O.engines + [PyRunner(command="wait_for_rest()", virtPeriod=0.02, label="observer")]
+observer = PyRunner(command="wait_for_rest()", virtPeriod=0.02)
+O.engines = O.engines + [observer]
 O.run(), O.wait()
 draw_in_space()
 top = max(O.bodies[i].state.pos[2] + O.bodies[i].shape.radius for i in grains)
@@ -97,9 +98,9 @@ print(f"under {load:g} kN the plate is at {pressed:.3f} m, after unloading at {O
       f"{time.process_time() - start:.1f} s of computing, O.dt = {O.dt:.2g} s")
 
 cost = []
-for springs in 0, 1:
+for springy in 0, 1:
     O.load(f"{name}.yade.gz")
-    set_engines(springs)
+    set_engines(springy)
     O.bodies[plate].state.vel = (0, 0, 0.1)
     O.run(10, True)
     begun, start = O.time, time.process_time()

@@ -8,7 +8,8 @@
 The script writes the drum, with six blades, to tumbler.stl, as a program for construction would, and reads it by YADE's ymport.stl; YADE's
 RotationEngine turns it. The spheres differ by their density, and first lie side by side. tumbler.png shows them at the end, coloured by where they
 came from, tumbler-mixing.png how far the two kinds are apart against time; tumbler-*.vtk hold spheres and facets for Paraview, tumbler.yade.gz the
-last state. From that state both methods then run for a moment, and their costs are printed.
+last state. From that state both methods then run for a moment, and their costs are printed. After a run of
+springs Contact Dynamics may say once that its first, longer step lets two fast spheres overlap.
 """
 import math, pathlib, random, sys, time
 file = sys._getframe().f_code.co_filename  # YADE sets no __file__
@@ -115,9 +116,9 @@ print(f"the two kinds are apart by {plot.data['apart'][0]:.2f} radii of the drum
 O.save(f"{name}.yade.gz")
 
 cost = []
-for springs in 0, 1:
+for springy in 0, 1:
     O.load(f"{name}.yade.gz")
-    set_engines(springs)
+    set_engines(springy)
     O.run(10, True)
     begun, start = O.time, time.process_time()
     O.run(int(0.02 / O.dt), True)
