@@ -26,7 +26,8 @@ packages = cd_engine yade_scripts analysis tests
 # What plain YADE scripts find defined.
 yade     = O,box,sphere,readParamsFromTable,runningInBatch,kineticEnergy,PWaveTimeStep,Quaternion,FrictMat,Sphere,ForceResetter,InsertionSortCollider,$\
            Bo1_Sphere_Aabb,Bo1_Box_Aabb,InteractionLoop,Ig2_Sphere_Sphere_ScGeom,Ig2_Box_Sphere_ScGeom,Ip2_FrictMat_FrictMat_MindlinPhys,$\
-           Law2_ScGeom_MindlinPhys_Mindlin,NewtonIntegrator,PyRunner,RotationEngine
+           Law2_ScGeom_MindlinPhys_Mindlin,NewtonIntegrator,PyRunner,RotationEngine,Vector3,Bo1_Facet_Aabb,Bo1_Wall_Aabb,Ig2_Facet_Sphere_ScGeom,$\
+           Ig2_Wall_Sphere_ScGeom,Ip2_FrictMat_FrictMat_FrictPhys,Law2_ScGeom_FrictPhys_CundallStrack,unbalancedForce,wall
 
 help: ## this list
 	@echo 'Every target installs the Debian packages that it needs and builds the engine where that is out of date.'

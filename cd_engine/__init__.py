@@ -9,7 +9,7 @@ Inside YADE (a script, a batch job, the console):
 for the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums
 the energy that their dashpots dissipate. `PlateLoads` loads the plates around a sample, for both methods. Import this module before `O.load` of a
 scene that contains one of the four. `watch` is for both methods, too: an engine that ends a run which is no longer physical. `picture` and `film`
-draw planar scenes of both.
+draw scenes of both.
 """
 import atexit
 import importlib

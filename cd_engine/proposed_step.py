@@ -17,7 +17,8 @@ def timeStep(gravity=None, speed=None, share=None):
     v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present; of a body that turns, that of its
                farthest point, because friction can turn spin into motion. h [m] is the height from the highest disk down to the lowest body; for a
                Box, down to the lowest corner of its upper faces, where a disk that slides down leaves it
-    a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF) gives a body that nothing holds; 0 if `speed` is given. Give `speed`
+    a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF), or a stress of PlateLoads, gives a body that nothing holds; 0 if
+               `speed` is given. Give `speed`
                where a force moves a body over a long way, and for longer steps where a light lid presses on disks already
     share      largest distance that a disk moves in one step at that speed, over its radius [1]; by default 0.25, or 0.05 if ContactDynamics has a
                restitution, since disks that bounce in a cluster overlap by up to their displacement in a step, and stay overlapped. An example:
@@ -58,7 +59,8 @@ def timeStep(gravity=None, speed=None, share=None):
         raise ValueError(f"timeStep: gravity={gravity!r} is not a vector of three finite numbers, such as (0, -9.81, 0)")
     movable = [body for body in O.bodies if type(body.shape).__name__ == "Sphere" and not set("xyz") <= set(body.state.blockedDOFs)]
     if not movable:
-        raise ValueError("timeStep: no disk in the scene can move. Append the disks first")
+        raise ValueError("timeStep: no disk in the scene can move. Append the disks first. If an engine makes them later, set O.dt to a "
+                         "quarter of their smallest radius over their highest speed")
     if any(part and all(axis in body.state.blockedDOFs for body in movable) for axis, part in zip("xyz", (x, y, z))):
         raise ValueError(f"timeStep: gravity={tuple(gravity)} m/s^2 points along an axis along which no disk can move. Let it point in the plane of "
                          "the scene")
@@ -69,8 +71,8 @@ def timeStep(gravity=None, speed=None, share=None):
         speed = math.sqrt(max(map(_speed, O.bodies))**2 + 2 * g * fall)
     times = ([radius / speed] if speed else []) + [math.sqrt(radius / acceleration) for acceleration in (g, pressed) if acceleration]
     if not times:
-        raise ValueError("timeStep: nothing moves, and there is neither gravity nor a permanent force, so no speed can be estimated. Set O.engines "
-                         "first, with their gravity, or give a speed: timeStep(speed=0.1), in m/s")
+        raise ValueError("timeStep: nothing moves, and there is neither gravity nor a permanent force or load, so no speed can be estimated. Set "
+                         "O.engines first, with their gravity, or give a speed: timeStep(speed=0.1), in m/s")
     return min(share * min(times), _springs_step(O, movable))
 
 
@@ -96,11 +98,21 @@ def _pressed(O):
             raise ValueError(f"timeStep: the permanent force {tuple(force)} N on body #{body.id} is not finite")
         return size / body.state.mass if body.state.mass > 0 else 0
 
+    largest = max([_loaded(O, engine) for engine in O.engines if type(engine).__name__ == "PlateLoads" and not engine.dead], default=0)
     if not O.forces.getPermForceUsed():
-        return 0
+        return largest
     if not engine_methods.runs_besides():  # whose engines add forces meanwhile
         O.forces.f(0, sync=True)  # before YADE has summed forces once permF gives 0
-    return max(map(pressed, O.bodies))
+    return max(largest, *map(pressed, O.bodies))
+
+
+def _loaded(O, loads):
+    """Return the largest acceleration [m/s^2] that the stresses of PlateLoads give a plate before they rise."""
+    pairs = [[O.bodies[id] for id in loads.plates[2 * axis:2 * axis + 2] if 0 <= id < len(O.bodies) and O.bodies[id]] for axis in range(3)]
+    length = [abs(pair[1].state.pos[axis] - pair[0].state.pos[axis]) if len(pair) == 2 else loads.depth for axis, pair in enumerate(pairs)]
+    return max((abs(loads.goals[axis]) * length[axis - 1] * length[axis - 2] / body.state.mass
+                for axis, pair in enumerate(pairs) if loads.stressMask >> axis & 1
+                for body in pair if body.state.mass > 0 and "xyz"[axis] not in body.state.blockedDOFs), default=0)
 
 
 def _speed(body):

@@ -1,9 +1,12 @@
-"""Draws disks, boundaries and contact forces by matplotlib, from plain arrays. Needs no YADE, no screen and no pyplot."""
+"""Draws disks or spheres, boundaries and contact forces by matplotlib, from plain arrays. Needs no YADE, no screen and no pyplot."""
 import math
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection, PolyCollection
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, to_rgba
+
+from . import rendering
 
 BOUNDARY, EDGE = "#A6A6A6", "#5A5A5A"
 # Blue for disks and amber to dark red for forces: told apart without seeing red or green, and each ordered by lightness alone.
@@ -17,20 +20,24 @@ TIMES_MEAN = 5  # the widest line stands for the largest force, but for at most 
 # In parts of the larger side: room around all, how far from the disks a boundary may reach to be shown as a whole, and what is shown of a larger one.
 MARGIN, BESIDE, PART = 0.03, 0.5, 0.08
 LEAST = 12  # sides of a view, in median radii
+GLASS = 0.1, 0.35  # opacity of the faces of boundaries in space, and of their edges
 
 
-def draw(axes, position, radius, angle=None, colour=None, limits=None, links=(), force=(), strongest=None, boxes=(), walls=(), view=None):
-    """Draw a planar scene into `axes` (of matplotlib). Return (disks, chains), the collections of which colour bars can be made; chains is None if
+def draw(axes, position, radius, angle=None, colour=None, limits=None, links=(), force=(), strongest=None, boxes=(), walls=(), view=None, depth=None,
+         turned=None):
+    """Draw a scene into `axes` (of matplotlib). Return (disks, chains), the collections of which colour bars can be made; chains is None if
     there are no forces.
 
     position, radius [m]: of each disk. angle [rad]: of each disk, whose one half is then shaded; None: no rotation is shown.
     colour: a number for each disk (NaN: drawn as a boundary), or None. limits: (low, high) of its colour scale, by default those of the numbers.
     links [m], force [N]: both ends of each contact, and its normal force, which is the width and the colour of its line. strongest [N]: the force
     of the widest line, by default that of `scale`. boxes [m]: polygons. walls: (axis that it stands across, 0 or 1, and place [m]) each.
-    view [m]: (left, right, bottom, top), by default that of `bounds`. Raises ValueError if arrays do not fit together.
+    view [m]: (left, right, bottom, top), by default that of `bounds`. depth [m]: of each sphere of a scene in space, towards the viewer; spheres are
+    then seen as such, one half of each darker if `turned`, the direction of its own x axis in the picture's x, y and depth, is given, and boxes, the
+    faces of the boundaries, are of glass. Raises ValueError if arrays do not fit together.
     """
     position, radius, links, force = np.reshape(position, (-1, 2)), np.ravel(radius), np.reshape(links, (-1, 2, 2)), np.ravel(force)
-    for name, array in (("radius", radius), ("angle", angle), ("colour", colour)):
+    for name, array in (("radius", radius), ("angle", angle), ("colour", colour), ("depth", depth), ("turned", turned)):
         if array is not None and len(array) != len(position):
             raise ValueError(f"picture: {name} has {len(array)} values, but there are {len(position)} disks")
     if len(links) != len(force):
@@ -41,14 +48,21 @@ def draw(axes, position, radius, angle=None, colour=None, limits=None, links=(),
     axes.axis(view)
     for axis, place in walls:
         (axes.axhline if axis else axes.axvline)(place, color=EDGE, linewidth=2, zorder=1)
-    _add(axes, PolyCollection(list(boxes), facecolor=BOUNDARY, edgecolor=EDGE, linewidth=0.8, zorder=1))
-    values = np.zeros(len(radius)) if colour is None else np.asarray(colour, float)
-    disks = EllipseCollection(2 * radius, 2 * radius, np.zeros(len(radius)), units="xy", offsets=position, offset_transform=axes.transData,
-                              cmap=DISKS, edgecolor=EDGE, linewidth=0.4 if len(radius) <= FEW else 0.1, zorder=2)
-    disks.set_array(np.ma.masked_invalid(values))
+    face, edge = (to_rgba(colour, 1 if depth is None else opacity) for colour, opacity in zip((BOUNDARY, EDGE), GLASS))
+    _add(axes, PolyCollection(list(boxes), facecolor=face, edgecolor=edge, linewidth=0.8, zorder=1))
+    values = np.ma.masked_invalid(np.zeros(len(radius)) if colour is None else np.asarray(colour, float))
+    scheme = SIGNED if limits is not None and limits[0] < 0 < limits[1] else DISKS
+    if depth is None:
+        disks = EllipseCollection(2 * radius, 2 * radius, np.zeros(len(radius)), units="xy", offsets=position, offset_transform=axes.transData,
+                                  cmap=scheme, edgecolor=EDGE, linewidth=0.4 if len(radius) <= FEW else 0.1, zorder=2)
+        _add(axes, disks)
+    else:
+        disks = ScalarMappable(cmap=scheme)
+    disks.set_array(values)
     if limits is not None:
         disks.set_clim(*limits)
-    _add(axes, disks)
+    if depth is not None:
+        axes.imshow(rendering.spheres(position, depth, radius, disks.to_rgba(values), view, turned), extent=view, zorder=2, aspect="equal")
     if angle is not None:
         _add(axes, PolyCollection(_halves(position, radius, np.asarray(angle)), facecolor=(0, 0, 0, 0.11), linewidth=0, zorder=3))
     if not len(force):

@@ -41,11 +41,11 @@ def frame(path, options, scales):
 
     from . import layout
     runner = next(one for one in O.engines if getattr(one, "command", "").startswith(f"{CALL}{path!r}, "))
-    seen = scene.read()
+    seen = scene.read(options["look"])
     scales = _grown(layout, seen, options, scales)
     runner.command = _command(path, options, scales)
     shown = options | scales
-    fps, dpi, _ = (shown.pop(name) for name in ("fps", "dpi", "size"))
+    fps, dpi, *_ = (shown.pop(name) for name in ("fps", "dpi", "size", "look"))
     fig = layout.figure(seen, **shown)
     fig.set_dpi(dpi)
     ending = os.path.splitext(path)[1].lower()

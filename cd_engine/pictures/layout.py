@@ -7,7 +7,7 @@ from matplotlib.ticker import MaxNLocator
 from . import drawing
 
 # What disks can be coloured by: label, and values of a Scene.
-COLOURS = {"speed": ("speed [m/s]", lambda scene: np.hypot(*scene.velocity.T)),
+COLOURS = {"speed": ("speed [m/s]", lambda scene: np.linalg.norm(scene.velocity, axis=1)),
            "force": ("normal forces on a disk, sum [N]", lambda scene: scene.force),
            "radius": ("radius [m]", lambda scene: scene.radius),
            "spin": ("angular velocity [rad/s]", lambda scene: scene.spin)}
@@ -18,12 +18,13 @@ FLAT, BELOW = 0.5, 0.6  # height over width of the axes up to which the bars lie
 SMALL = 8  # [points] of letters
 
 
-def figure(scene, shape, view, colour="speed", label=None, limits=None, forces=True, strongest=None, rotation=None, title=None):
+def figure(scene, shape, view, colour="speed", label=None, limits=None, forces=None, strongest=None, rotation=None, title=None):
     """Return a Figure of a Scene. shape: width and height of its axes; view [m]: widened to this shape. For the rest see cd_engine.picture."""
     (width, height), view = shape, _widened(view, *shape)
     label, values = coloured(scene, colour, label)
     limits = limits or colour_range(scene, colour, values)
     rotation = len(scene.radius) <= drawing.FEW if rotation is None else rotation
+    forces = scene.depth is None if forces is None else forces
     flat, bars = height < FLAT * width, (values is not None) + bool(forces)
     right, bottom = (RIGHT, BOTTOM + BELOW * (bars > 0)) if flat else (RIGHT + ROOM * bars, BOTTOM)
     fig = Figure((LEFT + width + right, bottom + height + TOP))
@@ -34,9 +35,8 @@ def figure(scene, shape, view, colour="speed", label=None, limits=None, forces=T
 
     axes = place(LEFT, bottom, width, height)
     disks, chains = drawing.draw(axes, scene.position, scene.radius, scene.angle if rotation else None, values, limits,
-                                 *((scene.links, scene.link_force, strongest) if forces else ()), boxes=scene.boxes, walls=scene.walls, view=view)
-    if limits and limits[0] < 0 < limits[1]:
-        disks.set_cmap(drawing.SIGNED)
+                                 *((scene.links, scene.link_force, strongest) if forces else ()), boxes=scene.boxes, walls=scene.walls, view=view,
+                                 depth=scene.depth, turned=scene.turned if rotation else None)
     axes.set_xlabel(f"{scene.names[0]} [m]", fontsize=SMALL + 1)
     axes.set_ylabel(f"{scene.names[1]} [m]", fontsize=SMALL + 1)
     axes.tick_params(labelsize=SMALL)

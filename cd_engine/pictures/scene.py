@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .. import engine_methods
+from . import space
 
 AXES = "xyz"
 # The two axes of the picture, left to right and upwards, by the axis that points out of the plane.
@@ -14,12 +15,13 @@ FLAT = 1e-3  # distance from the common plane, in radii, up to which disks count
 
 @dataclass
 class Scene:
-    """A planar scene at one instant. Two coordinates: those of the axes named in `names`.
+    """A scene at one instant. Two coordinates: those of the axes named in `names`, in space to the right and upwards as one looks at it.
 
     position [m], radius [m], angle [rad], velocity [m/s], spin [rad/s], force [N]: of each disk; force is the sum of the sizes of the normal forces
     on it. ids: their bodies' ids. fixed: mask of the disks that no force moves (boundaries). links [m], link_force [N]: both ends of each loaded
     contact, which are the centre of a disk or the point of contact at a boundary, and the size of its normal force. boxes [m]: four corners each.
-    walls: (axis of the picture, place [m]) each. time [s].
+    walls: (axis of the picture, place [m]) each. time [s]. Of a scene in space: depth [m] of each sphere, towards the viewer, and turned: the
+    direction of its own x axis as the picture's x, y and depth; boxes are then the faces of all boundaries, and velocities have three components.
     """
     names: tuple
     time: float
@@ -35,11 +37,14 @@ class Scene:
     link_force: np.ndarray = None
     boxes: list = field(default_factory=list)
     walls: list = field(default_factory=list)
+    depth: np.ndarray = None
+    turned: np.ndarray = None
 
 
-def read():
-    """Return the Scene that YADE holds. Raise ValueError if it has no disks or they do not lie in a plane, RuntimeError during a run."""
-    from yade import O
+def read(look=None):
+    """Return the Scene that YADE holds, seen along `look` if that is given or if the spheres do not lie in a plane. Raise ValueError if it has none,
+    RuntimeError during a run."""
+    from yade import O, Vector3
     if engine_methods.runs_besides():
         raise RuntimeError("picture: a run goes on and changes the scene meanwhile. Call O.pause() first, or put cd_engine.film(...) into O.engines")
     spheres = [body for body in O.bodies if type(body.shape).__name__ == "Sphere"]
@@ -49,12 +54,20 @@ def read():
     place, velocity, spin = (np.array([[*getattr(state, name)] for state in states]) for name in ("pos", "vel", "angVel"))
     radius = np.array([body.shape.radius for body in spheres])
     blocked = [(state if body.clumpId < 0 else O.bodies[body.clumpId].state).blockedDOFs for body, state in zip(spheres, states)]
-    normal = _normal(place, radius, blocked)
+    fixed, ids = np.array([text == "xyzXYZ" for text in blocked]), np.array([body.id for body in spheres])
+    normal = None if look else _normal(place, radius, blocked)
+    if normal is None:
+        axes = space.axes(look or space.LOOK, space.upwards(O))
+        turned = np.array([[*(state.ori * Vector3.UnitX)] for state in states]) @ axes.T
+        scene = Scene(("right", "up"), O.time, ids, (place @ axes.T)[:, :2], radius, None, velocity, spin @ axes[2], fixed,
+                      boxes=[face @ axes.T[:, :2] for face in space.faces(O, place, radius)], depth=place @ axes[2], turned=turned)
+        _read_contacts(O, scene, lambda points: points @ axes.T[:, :2])
+        return scene
     plane = PLANES[normal]
     turns = -1 if normal == 1 else 1  # from x to z is a negative turn about y
     angle = 2 * np.array([math.atan2(state.ori[normal], state.ori[3]) for state in states])
-    scene = Scene(tuple(AXES[axis] for axis in plane), O.time, np.array([body.id for body in spheres]), place[:, plane], radius, turns * angle,
-                  velocity[:, plane], turns * spin[:, normal], np.array([text == "xyzXYZ" for text in blocked]))
+    scene = Scene(tuple(AXES[axis] for axis in plane), O.time, ids, place[:, plane], radius, turns * angle, velocity[:, plane],
+                  turns * spin[:, normal], fixed)
     level = np.median(place[:, normal])
     for body in O.bodies:
         kind = type(body.shape).__name__
@@ -62,20 +75,21 @@ def read():
             scene.walls.append((plane.index(body.shape.axis), body.state.pos[body.shape.axis]))
         elif kind == "Box" and (corners := _section(body, normal, level)) is not None:
             scene.boxes.append(corners[:, plane])
-    _read_contacts(O, scene, plane)
+    contacts, disks = _read_contacts(O, scene, lambda points: points[:, plane])
+    if O.periodic:
+        _fold(O, scene, contacts, disks, plane)
     return scene
 
 
 def _normal(place, radius, blocked):
     """Return the axis that points out of the plane of the disks: one along which no disk can move if there is one, else one along which all lie
-    level."""
+    level. None: there is none."""
     extent, flat = np.ptp(place, axis=0), FLAT * radius.min()
     free = [text for text in blocked if "xyz" not in text]
     held = [axis for axis in (2, 1, 0) if free and all(AXES[axis] in text for text in free)]
     axes = [axis for axis in held or (2, 1, 0) if extent[axis] <= flat]
     if not axes:
-        raise ValueError("picture: the spheres do not lie in a plane parallel to two axes. It draws planar scenes, whose spheres are kept in the "
-                         "plane by state.blockedDOFs, as 'zXY' does in x-y. For scenes in space use YADE's VTK export")
+        return None
     # The rotation of a disk in its plane is about the normal; 'xzXY' leaves a motion along y and this rotation.
     turning = [axis for axis in axes if free and not any(AXES[axis].upper() in text for text in free)]
     return (turning or axes)[0]
@@ -93,8 +107,9 @@ def _section(body, normal, level):
     return np.array([centre + one + other, centre - one + other, centre - one - other, centre + one - other])
 
 
-def _read_contacts(O, scene, plane):
-    """Add the loaded contacts to a scene, and to each disk its force."""
+def _read_contacts(O, scene, project):
+    """Add the loaded contacts to a scene, and to each disk its force. project: what makes places of the picture of those in space. Return the
+    contacts and the indices of their disks, -1 for a boundary."""
     index = np.full(len(O.bodies), -1)  # of the disk, by body
     index[scene.ids] = np.arange(len(scene.ids))
     contacts = [contact for contact in O.interactions if contact.isReal and hasattr(contact.phys, "normalForce")]
@@ -102,11 +117,10 @@ def _read_contacts(O, scene, plane):
     loaded = np.flatnonzero(force > 0)
     contacts, scene.link_force = [contacts[k] for k in loaded], force[loaded]
     disks = index[np.array([(contact.id1, contact.id2) for contact in contacts], int).reshape(-1, 2)]
-    points = np.array([[*contact.geom.contactPoint] for contact in contacts]).reshape(-1, 3)[:, plane]
-    scene.links = np.where((disks >= 0)[:, :, None], scene.position[disks], points[:, None])
+    points = np.array([[*contact.geom.contactPoint] for contact in contacts]).reshape(-1, 3)
+    scene.links = np.where((disks >= 0)[:, :, None], scene.position[disks], project(points)[:, None])
     scene.force = np.bincount(disks[disks >= 0], np.repeat(scene.link_force, 2).reshape(-1, 2)[disks >= 0], len(scene.ids))
-    if O.periodic:
-        _fold(O, scene, contacts, disks, plane)
+    return contacts, disks
 
 
 def _fold(O, scene, contacts, disks, plane):

@@ -94,7 +94,9 @@ inline std::optional<cd::ShapeKind> kindOf(const void* shape)
 	const std::string name = className(shape);
 	if (name == "Clump")
 		refuseBody(id, "is a clump", releaseClump);
-	refuseBody(id, "has the shape " + name, "Only Sphere, Box, Wall and Facet are known; replace or erase it");
+	refuseBody(id, "has the shape " + name,
+	    "Only Sphere, Box, Wall and Facet are known. Replace it, a fixed one by Facets as geom.facetCylinder or ymport.stl make them, or erase "
+	    "it");
 }
 
 } // namespace cd_engine

@@ -158,7 +158,7 @@ def test_files_of_every_format(stack, tmp_path):
     (dict(colour="hue"), "colour='hue' must be one of 'speed', 'force', 'radius', 'spin', None or an array"),
     (dict(colour=[1, 2, 3]), r"colour has the shape \(3,\), but there are 1 disks"), (dict(limits=(1, 0)), r"limits=\(1, 0\) must be \(low, high\)"),
     (dict(view=(0, 1)), r"view=\(0, 1\) must be \(left, right, bottom, top\)"), (dict(size=0), "size=0 must be a number above 0"),
-    (dict(strongest="big"), "strongest='big' must be a number above 0")])
+    (dict(strongest="big"), "strongest='big' must be a number above 0"), (dict(look=(0, 0, 0)), r"look=\(0, 0, 0\) must be a direction")])
 def test_arguments_that_cannot_be(O, tmp_path, monkeypatch, arguments, says):
     monkeypatch.chdir(tmp_path)
     plane.disk((0, 0), 1)
@@ -170,10 +170,64 @@ def test_arguments_that_cannot_be(O, tmp_path, monkeypatch, arguments, says):
 def test_scenes_that_cannot_be_drawn(O, tmp_path):
     with pytest.raises(ValueError, match="there is no disk in the scene"):
         cd_engine.picture(tmp_path / "a.png")
-    for place in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)):
-        O.bodies.append(utils.sphere(place, 0.4))
-    with pytest.raises(ValueError, match="the spheres do not lie in a plane"):
-        cd_engine.picture(tmp_path / "a.png")
+
+
+def in_space(O):
+    """Append four spheres of radius 0.4 m, two of them behind each other for who looks along x."""
+    O.bodies.append([utils.sphere(place, 0.4) for place in ((0, 0, 0), (2, 0, 0.3), (0, 1, 0), (0, 0, 1.2))])
+
+
+def test_spheres_are_seen_along_the_look(O):
+    """Along x, y is to the left and x away. Of two spheres behind each other one sees the nearer, and of each sphere its whole circle."""
+    in_space(O)
+    seen = scene.read((1, 0, 0))
+    assert seen.names == ("right", "up") and seen.position == pytest.approx(np.array([[0, 0], [0, 0.3], [-1, 0], [0, 1.2]]), abs=1e-12)
+    assert seen.depth == pytest.approx(np.array([0, -2, 0, 0]), abs=1e-12)
+    (drawn,) = layout.figure(seen, (4, 3), (-2, 2, -1, 2), colour=[0, 1, 2, 3], rotation=False).axes[0].images
+    image = np.asarray(drawn.get_array(), float)[::-1]
+    assert drawn.get_extent() == pytest.approx([-2, 2, -1, 2])
+    at = [[image[int((y + 1) * image.shape[0] / 3), int((x + 2) * image.shape[1] / 4)] for x, y in places] for places in (
+        [(0, 0), (0, 0.36), (0, 0.6), (-1, 0.1), (0, 1.3)], [(-1 + 0.39 * np.cos(t), 0.39 * np.sin(t)) for t in range(6)],
+        [(-1 + 0.41 * np.cos(t), 0.41 * np.sin(t)) for t in range(6)])]
+    for pixel, sphere in zip(at[0], (0, 0, 1, 2, 3)):  # light changes the brightness, not the hue
+        hue = np.array(drawing.DISKS(sphere / 3)[:3])
+        assert pixel[:3] / pixel[:3].max() == pytest.approx(hue / hue.max(), abs=0.02)
+    assert [pixel[3] for pixel in at[1]] == [1] * 6 and [pixel[3] for pixel in at[2]] == [0] * 6
+
+
+def test_half_of_a_sphere_shows_how_it_is_turned(O):
+    in_space(O)
+    O.bodies[0].state.ori = Quaternion((0, 1, 0), 0.5)  # which turns its own x axis downwards
+    turned = scene.read((0, 1, 0)).turned
+    assert turned[0] == pytest.approx([np.cos(0.5), -np.sin(0.5), 0]) and turned[1] == pytest.approx([1, 0, 0])
+
+
+def test_up_is_against_gravity_and_boundaries_have_faces(O):
+    """The faces of a facet, of a box, and of a wall that is cut off beside the spheres."""
+    in_space(O)
+    O.bodies.append(utils.facet([(0, 0, 0), (1, 0, 0), (0, 2, 0)]))
+    O.bodies.append(utils.box((5, 0, 0), (0.1, 0.2, 0.3), orientation=Quaternion((0, 0, 1), np.pi / 2), fixed=True))
+    O.bodies.append(utils.wall(-1, axis=1))
+    O.engines = plane.springs(gravity=(0, -G, 0))
+    seen = scene.read((0, 0, -1))
+    assert seen.position == pytest.approx(np.array([[0, 0], [2, 0], [0, 1], [0, 0]]), abs=1e-12) and len(seen.boxes) == 8
+    assert seen.boxes[0] == pytest.approx(np.array([[0, 0], [1, 0], [0, 2]]), abs=1e-12)
+    assert np.ptp(np.concatenate(seen.boxes[1:7]), axis=0) == pytest.approx([0.4, 0.2])
+    assert np.ptp(seen.boxes[7][:, 0]) == pytest.approx(2.8 + 0.2 * 2.8) and seen.boxes[7][:, 1] == pytest.approx(-1)
+
+
+def test_a_picture_and_a_film_in_space(O, tmp_path):
+    """Speeds count all three directions. Force lines are drawn only if asked for."""
+    in_space(O)
+    O.bodies[0].state.vel, O.bodies[0].state.angVel = (0, 3, 4), (0, 2, 0)
+    O.engines, O.dt = plane.springs(gravity=(0, 0, 0)) + [cd_engine.film(tmp_path / "a.gif", every=0.01, size=2.6, dpi=60, look=(0, 1, 0))], 0.01
+    seen = scene.read((0, 1, 0))
+    assert layout.coloured(seen, "speed")[1][0] == pytest.approx(5) and layout.coloured(seen, "spin")[1][0] == pytest.approx(-2)
+    O.run(4, True)
+    cd_engine.picture(tmp_path / "a.png")
+    assert len(frames(tmp_path / "a.gif")) >= 3 and len({frame.tobytes() for frame in frames(tmp_path / "a.gif")}) >= 3
+    with Image.open(tmp_path / "a.png") as image:
+        assert len(set(image.convert("RGB").getdata())) > 20
 
 
 def test_nothing_of_the_users_pyplot_changes(tmp_path):

@@ -90,6 +90,21 @@ def test_gravity_of_springs_is_found(O):
     assert cd_engine.timeStep() == pytest.approx(0.25 * math.sqrt(0.01 / G))
 
 
+def test_a_stress_on_a_plate_sets_it(O):
+    """As the permanent force that it stands for; a plate that is held counts for nothing, nor does an axis with a strain rate."""
+    O.bodies.append(utils.aabbWalls([(0, 0, 0), (0.2, 0.3, 0.4)], thickness=0, material=plane.material()))
+    O.bodies.append(utils.sphere((0.1, 0.1, 0.1), 0.01))
+    plate = O.bodies[3].state  # the upper one of y, of 0.2 m x 0.4 m
+    plate.mass, plate.blockedDOFs = 2, "xzXYZ"
+    reset, collider, cd = cd_engine.engines()
+    O.engines = [reset, collider, cd_engine.PlateLoads(goals=(-5e3, -1e3, -9e9), stressMask=3), cd]
+    expected = 0.25 * math.sqrt(0.01 / (1e3 * 0.2 * 0.4 / 2))
+    assert cd_engine.timeStep() == pytest.approx(expected)
+    O.engines = [reset, collider, cd]
+    O.forces.setPermF(3, (0, -1e3 * 0.2 * 0.4, 0))
+    assert cd_engine.timeStep() == pytest.approx(expected)
+
+
 def test_a_wall_along_gravity_has_no_height(O):
     plane.disk((0, 100), 0.01)
     O.bodies.append(utils.wall(-1, axis=0, material=0))
