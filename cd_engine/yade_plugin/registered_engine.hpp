@@ -160,22 +160,22 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 			if (key != name || access.kind == Access::remember)
 				return;
 			found = true;
-			const std::string full = std::string(E::name) + "." + key;
+			const auto full = [&key] { return std::string(E::name) + "." + key; }; // for messages only: hooks set attributes in mid-run
 			if (access.kind == Access::read)
-				raise(PyExc_AttributeError, full + " is a result and cannot be set");
+				raise(PyExc_AttributeError, full() + " is a result and cannot be set");
 			using T = std::decay_t<decltype(self().*member)>;
 			// NumPy's numbers are no numbers to Boost.Python.
 			const bool ofNumpy = std::is_arithmetic_v<T> && PyObject_HasAttrString(value.ptr(), "item");
 			const py::object plain = ofNumpy ? value.attr("item")() : value;
 			const py::extract<T> extracted(plain);
 			if (!extracted.check())
-				raise(PyExc_TypeError, full + " must be " + typeName<T>.words + ", not of type " + Py_TYPE(value.ptr())->tp_name);
+				raise(PyExc_TypeError, full() + " must be " + typeName<T>.words + ", not of type " + Py_TYPE(value.ptr())->tp_name);
 			if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>)
 				if (plain < access.low || plain > access.high) // T itself may be too narrow for it
-					raise(PyExc_ValueError, full + outOfRange(py::extract<std::string>(py::str(plain)), access));
+					raise(PyExc_ValueError, full() + outOfRange(py::extract<std::string>(py::str(plain)), access));
 			const T checked = extracted();
 			if (const std::string wrong = fault(name, checked, access); !wrong.empty())
-				raise(PyExc_ValueError, full + wrong);
+				raise(PyExc_ValueError, full() + wrong);
 			const std::lock_guard<std::mutex> lock(attributesLock);
 			self().*member = checked;
 			changed++;

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace cd {
 
@@ -56,7 +57,7 @@ template <class S> class Iteration {
 			evaluate(1);
 		}
 		reached = error;
-		cycles = flows = error > poor && impulse > 0 && settings.tolerance >= coarse;
+		cycles = flows = inFlows && error > poor && impulse > 0 && settings.tolerance >= coarse;
 		if (!solved())
 			keep();
 	}
@@ -122,6 +123,7 @@ template <class S> class Iteration {
 	// with momentum, or growing ones, are no better.
 	static constexpr int ahead = 20, fewestPlain = 3;
 	static constexpr double poor = 0.03, coarse = 1e-6, patience = 0.3;
+	static constexpr bool inFlows = !std::is_same_v<typename S::System, ContactSystem<Space3>>; // in space nobody has measured what they do
 
 	// Makes `more` sweeps, or those that are left of the cycle. Returns how many.
 	template <class Improve> int sweepOn(Improve& improve, int more)
