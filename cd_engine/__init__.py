@@ -25,7 +25,7 @@ ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear", "PlateLoads
 __all__ = [*ENGINES, "TESTED", "Unstable", "engines", "film", "methods", "picture", "release", "timeStep", "watch"]
 
 SPRING_TOLERANCE = 0.1  # of contacts with a stiffness: relative to the motion of a step
-FLOW_TOLERANCE = 1e-4  # for single bodies in a flow; means need less, a packing at rest needs more
+FLOW_TOLERANCES = {"bodies": 1e-4, "means": 1e-3}  # of flows, for the motion of single bodies or for means; a packing at rest needs more accuracy
 
 # Versions of YADE that all tests were run with, and the Debian that packages them. The compiled module checks the binary interface of the running
 # YADE. Any other version that passes this check runs, too, with a message that nobody has tested it.
@@ -94,19 +94,28 @@ def methods():
     return list(_plugin().methods())
 
 
-def engines(**settings):
+def engines(*, accuracy="bodies", **settings):
     """Return the list for `O.engines`: ForceResetter, collider, ContactDynamics(**settings).
 
-    settings: attributes of `ContactDynamics`. With a stiffness and without a tolerance, errors may be a tenth of the motion of a
-        step. Else, without a
-    tolerance, steps are solved to 1e-4 after bodies have flowed or collided, and to 1e-6
-    when nothing slides or collides any more (flowTolerance). Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics.
-    ContactDynamics itself finds the pairs that may touch. The collider is for springs and for YADE's tools; it does nothing during a run.
+    accuracy: what flows are to be right in. "bodies": the motion of single bodies; "means": means over many bodies, or over time, as a rate or a
+        slope, in less time. ValueError for another word, and beside settings that say how exact steps are.
+    settings: attributes of `ContactDynamics`. Without a tolerance, steps are solved to 1e-4 (for means to 1e-3) after bodies have flowed or collided,
+        and to 1e-6 when nothing slides or collides any more (flowTolerance). With a stiffness and without a tolerance, errors may be a tenth of the
+        motion of a step.
+
+    Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics. ContactDynamics itself finds the pairs that may touch. The
+    collider is for springs and for YADE's tools; it does nothing during a run.
     """
     _plugin()
     from yade import wrapper as w
     springs = settings.get("materialStiffness") or settings.get("stiffness", math.inf) != math.inf
-    usual = {"tolerance": SPRING_TOLERANCE} if springs else {"flowTolerance": FLOW_TOLERANCE}
+    if accuracy not in FLOW_TOLERANCES:
+        raise ValueError(f"engines(accuracy={accuracy!r}): it must be one of {', '.join(map(repr, FLOW_TOLERANCES))}")
+    said = [name for name in ("tolerance", "flowTolerance", "fixedIterations") if name in settings] + ["a stiffness"] * springs
+    if accuracy != "bodies" and said:
+        raise ValueError(f"engines(accuracy={accuracy!r}) sets the tolerance of flows of rigid bodies; it has no meaning beside {said[0]}. "
+                         "Leave one of the two out.")
+    usual = {"tolerance": SPRING_TOLERANCE} if springs else {"flowTolerance": FLOW_TOLERANCES[accuracy]}
     _let_colliders_begin()
     return [
         w.ForceResetter(),

@@ -29,6 +29,33 @@ def test_a_heap_falls_and_comes_to_rest(O):
     assert max(engine.residual, engine.bodyError) <= 1e-6
 
 
+def test_for_means_flows_are_solved_to_a_larger_tolerance(O):
+    """At rest as exactly as ever."""
+    plane.heap(0.3)
+    engine = settings(O, accuracy="means")
+    assert (engine.tolerance, engine.flowTolerance) == (1e-6, 1e-3)
+    found = tolerances(O, engine, 1500)
+    assert set(found) == {1e-3, 1e-4, 1e-5, 1e-6}
+    assert engine.stepTolerance == 1e-6 and engine.unconvergedSteps == 0
+
+
+@pytest.mark.parametrize("asked, message", [
+    (dict(accuracy="mean"), "must be one of 'bodies', 'means'"), (dict(accuracy=None), "must be one of 'bodies', 'means'"),
+    (dict(tolerance=1e-5), "no meaning beside tolerance"), (dict(flowTolerance=1e-5), "no meaning beside flowTolerance"),
+    (dict(fixedIterations=5), "no meaning beside fixedIterations"), (dict(stiffness=1e5, tangentialStiffness=1e5), "no meaning beside a stiffness"),
+    (dict(materialStiffness=True), "no meaning beside a stiffness")])
+def test_an_accuracy_beside_what_contradicts_it_is_refused(O, asked, message):
+    with pytest.raises(ValueError, match=message):
+        cd_engine.engines(**{"accuracy": "means"} | asked)
+
+
+def test_an_accuracy_for_single_bodies_is_the_default(O):
+    for asked in ({}, {"accuracy": "bodies"}):
+        engine = cd_engine.engines(**asked)[-1]
+        assert (engine.tolerance, engine.flowTolerance) == (1e-6, 1e-4)
+    assert cd_engine.engines(accuracy="bodies", tolerance=1e-5)[-1].tolerance == 1e-5
+
+
 def test_a_heap_at_rest_is_solved_to_the_smaller_tolerance(O):
     """Errors within the larger tolerance move the disks, but not so much that this counts as a flow."""
     plane.heap(0.3)
