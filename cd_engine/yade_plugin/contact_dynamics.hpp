@@ -35,7 +35,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	void checkEngines();
 	// Brings the scene up to date, by the engine that has made the last step.
 	static void settleLatest();
-	// What exportProblem (engine_methods.py) writes: the fields of a BodyProblem in their order, as bytes.
+	// What exportProblem (engine_methods.py) writes: the numbers of bodies and contacts, as bytes (core/files/export.py).
 	py::tuple nextProblem();
 
     private:
@@ -57,6 +57,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	PairValues pairValues() const;
 	PairValues readPairValues() const;
 	void recallRest(cd::Rest&);
+	template <class Space> py::tuple nextProblemIn(yade::Scene*) const;
 	template <class Space> void show();
 	void takeOver();
 	void release();

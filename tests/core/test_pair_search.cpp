@@ -314,3 +314,49 @@ TEST_CASE("a wall of one side is solid however far behind it")
 			CHECK(pairsOf(search, w).size() == (sense * x < 0 ? 1 : 0));
 		}
 }
+
+TEST_CASE("spheres are found beside facets that share a corner, each pair once")
+{
+	std::mt19937 draw(1);
+	std::uniform_real_distribution<double> around(-1, 1);
+	WorldOf<Space3> w;
+	std::vector<double> margins;
+	const auto add = [&](const Vector3& at, double radius, double margin) {
+		SpaceBody b;
+		b.at = at;
+		b.radius = radius;
+		w.bodies.push_back(b);
+		w.shapes.push_back({});
+		w.masks.push_back(1);
+		margins.push_back(margin);
+	};
+	// Fans about three corners: the facets of one lie in few cells, those of the next in some, and those of the last in too many.
+	int k = 0;
+	for (const double size : { 0.02, 0.06, 1. })
+		for (int i = 0; i < 60; i++) {
+			add({ 0.3 * k, 0, 0 }, 0, 1e-3);
+			SpaceShape& s = w.shapes.back();
+			s.kind = ShapeKind::facet;
+			s.part[0] = { 0, 0, 0 };
+			for (const int end : { 0, 1 })
+				s.part[1 + end] = size * Vector3 { std::cos(0.1 * (i + end)), std::sin(0.1 * (i + end)), 0.2 };
+			k = i == 59 ? k + 1 : k;
+		}
+	for (int i = 0; i < 400; i++)
+		add({ 0.5 * around(draw) + 0.3, 0.3 * around(draw), 0.1 * around(draw) }, 0.01, 4e-3 * (i % 3));
+	add({ 0.3, 0, -0.55 }, 0.5, 1e-3); // a giant
+	w.masks[200] = 0;
+	const int n = static_cast<int>(w.bodies.size());
+	Ids expected, seen;
+	for (int i = 0; i < n; i++)
+		for (int j = i + 1; j < n; j++)
+			if (w.masks[i] != 0 && w.masks[j] != 0 && !isBoundary(w.bodies[j]))
+				if (-locateContact(placeAhead(w.bodies[i], 0), placeAhead(w.bodies[j], 0), w.shapes[i]).overlap <= margins[i] + margins[j])
+					expected.insert({ i, j });
+	std::vector<NearPair> found;
+	NearPairsOf<Space3>().find(w, margins, found);
+	for (const NearPair& p : found)
+		CHECK(seen.insert(std::minmax(p.a, p.b)).second);
+	CHECK(seen == expected);
+	CHECK(expected.size() > 100);
+}

@@ -176,3 +176,27 @@ def test_siconos_agrees(O, tmp_path):
     assert ours.converged
     # Velocities: those of their solution and of ours, on the scale of what gravity gives in a step.
     assert np.abs(problem.velocities(p) - problem.velocities(ours.impulses)).max() < 1e-6 * 9.81 * O.dt
+
+
+def test_in_space(O, tmp_path):
+    """Spheres in a box of walls and on a facet that turns: matrix and bodies hold one problem, and the engine's next step solves it."""
+    draw, mat = random.Random(5), plane.material(0.4)
+    for axis, at in (2, 0), (0, 0), (1, 0), (0, 0.8), (1, 0.8):
+        O.bodies.append(utils.wall(at, axis=axis, material=mat))
+    disc = utils.facet(((-2, -2, 0.001), (2, -2, 0.001), (0, 3, 0.001)), material=mat)
+    disc.state.angVel = (0, 0, 1)
+    O.bodies.append(disc)
+    for k in range(60):
+        at = [0.13 + 0.17 * (k // 4**j % 4) + draw.uniform(-0.01, 0.01) for j in range(3)]
+        O.bodies.append(utils.sphere(at, draw.uniform(0.06, 0.08), material=mat))
+    cd = plane.run(300, 2e-3, gravity=(0, 0, -9.81), tolerance=1e-6)
+    assert cd.inSpace
+    cd.exportProblem(str(tmp_path / "matrix"))
+    cd.exportProblem(str(tmp_path / "bodies"), bodies=True)
+    matrix, bodies = (core.read_problem(tmp_path / name) for name in ("matrix", "bodies"))
+    assert abs(matrix.W - bodies.delassus().W).max() == 0 and np.array_equal(matrix.q, bodies.delassus().q)
+    assert np.abs(bodies.free_velocities[len(O.bodies):, :3]).max() > 0.1  # points of the facet
+    O.run(1, True)
+    assert cd.converged and matrix.contacts == cd.contacts > 100
+    report = core.solve(bodies, cd.method, cd.tolerance, impulses=bodies.impulses)
+    assert report.converged and core.residual(matrix, report.impulses) <= 1.001e-6

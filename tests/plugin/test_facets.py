@@ -62,6 +62,22 @@ def test_a_sphere_rolls_over_any_triangulation_as_over_the_plane(O, seed):
     assert vector(turn.conjugate() * state.pos) == pytest.approx(vector(start) + 1.8 * way, abs=1e-12)
 
 
+@pytest.mark.parametrize("facets", [40, 1000])
+def test_a_sphere_rolls_over_the_corner_that_many_facets_share(O, facets):
+    """A disc of slivers: as over the plane, with one contact a step, also while the sphere is near all of them."""
+    mat, radius = material(0.5), 0.03
+    rim = [(0.5 * math.cos(a), 0.5 * math.sin(a), 0) for a in np.arange(facets + 1) * 2 * math.pi / facets]
+    O.bodies.append([utils.facet(((0, 0, 0), a, b), material=mat) for a, b in zip(rim, rim[1:])])
+    way = np.array([0.8, 0.1, 0])
+    state = O.bodies[ball((-0.08, -0.01, radius), radius, mat, velocity=way, spin=np.cross((0, 0, 1), way) / radius)].state
+    O.engines = cd_engine.engines(gravity=(0, 0, -G), tolerance=1e-12)
+    O.dt = 1e-3
+    for _ in range(20):  # right over the corner in the middle
+        O.run(10, True)
+        assert O.engines[2].contacts == 1
+    assert vector(state.vel) == pytest.approx(way, abs=1e-12)
+
+
 @pytest.mark.parametrize("at", ["edge", "corner"])
 def test_rest_on_an_inner_edge_or_corner_is_one_force(O, at):
     mat, radius = material(0.5), 0.03

@@ -78,15 +78,25 @@ template <class Space> void NearPairsOf<Space>::find(const World& world, const s
 	width = widthOfCells * median(sides);
 	for (int k = 0; k < axes; k++)
 		origin[k] = median(coordinates[k]);
-	for (std::size_t i = 0; i < n; i++)
-		if (world.masks[i] != 0)
-			enter(static_cast<int32_t>(i));
+	// Two boundaries make no pair: they are entered last, so that in each slot nobody need look at them for another one.
+	std::vector<int32_t> order;
+	std::size_t first = 0; // boundary in it
+	for (const bool boundary : { false, true }) {
+		first = order.size();
+		for (std::size_t i = 0; i < n; i++)
+			if (world.masks[i] != 0 && isBoundary(world.bodyOf(i)) == boundary)
+				order.push_back(static_cast<int32_t>(i));
+	}
+	for (const int32_t i : order)
+		enter(i);
 	sortByPlace();
 	compareInRows(world, margins, found);
-	for (const int32_t i : large)
-		for (int32_t j = 0; j < static_cast<int32_t>(n); j++)
-			if ((!boxes[j].large || j > i) && boxes[i].meets(boxes[j]))
+	for (const int32_t i : large) {
+		const std::size_t count = isBoundary(world.bodyOf(i)) ? first : order.size();
+		for (std::size_t k = 0; k < count; k++)
+			if (const int32_t j = order[k]; (!boxes[j].large || j > i) && boxes[i].meets(boxes[j]))
 				compare(world, margins, i, j, found);
+	}
 }
 
 template <class Space> int32_t NearPairsOf<Space>::cellOf(double at, int axis) const
@@ -154,20 +164,28 @@ template <class Space> void NearPairsOf<Space>::sortByPlace()
 template <class Space>
 void NearPairsOf<Space>::compareInRows(const World& world, const std::vector<double>& margins, std::vector<NearPair>& found) const
 {
-	const auto count = static_cast<uint32_t>(sorted.size());
+	const auto count = static_cast<uint32_t>(sorted.size()), slots = static_cast<uint32_t>(ends.size());
+	const auto isBoundaryAt = [&](uint32_t k) { return isBoundary(world.bodyOf(sorted[k].shape)); };
 	for (uint32_t k = 0; k < count; k++) {
 		const Entry& p = sorted[k];
-		const auto compareWith = [&](uint32_t from, uint32_t to) {
-			for (uint32_t m = from; m < to; m++) {
-				const Entry& q = sorted[m];
-				if (sharesFirst(p, q) & p.box.meets(q.box))
-					compare(world, margins, p.shape, q.shape, found);
-			}
+		const auto compareWith = [&](uint32_t m) {
+			const Entry& q = sorted[m];
+			if (sharesFirst(p, q) & p.box.meets(q.box))
+				compare(world, margins, p.shape, q.shape, found);
 		};
+		if (isBoundaryAt(k)) {
+			for (uint32_t slot = p.place; slot != p.lastPlace;) {
+				slot = (slot + 1) % slots;
+				for (uint32_t m = slot > 0 ? ends[slot - 1] : 0; m < ends[slot] && !isBoundaryAt(m); m++)
+					compareWith(m);
+			}
+			continue;
+		}
 		const bool wraps = p.lastPlace < p.place;
-		compareWith(k + 1, wraps ? count : ends[p.lastPlace]);
-		if (wraps)
-			compareWith(0, ends[p.lastPlace]);
+		for (uint32_t m = k + 1; m < (wraps ? count : ends[p.lastPlace]); m++)
+			compareWith(m);
+		for (uint32_t m = 0; wraps && m < ends[p.lastPlace]; m++)
+			compareWith(m);
 	}
 }
 
