@@ -56,7 +56,7 @@ def of_flow(scene, accuracy):
     lines = []
     for disks in sorted({row["disks"] for row in rows}):
         own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]
-        cheapest = [flow_costs.cheapest(own, scene, disks, method, accuracy) for method in ("CD", "MD")]
+        cheapest = [flow_costs.cheapest(own, scene, disks, kind, accuracy) for kind in (flow_costs.RIGID, flow_costs.MD)]
         best = sorted((row for row in cheapest if row and abs(row["error"]) <= accuracy), key=lambda row: row["seconds"])
         first = f"{best[0]['method']} is recommended" if best else "no setting that was tried suffices"
         lines.append(f"{scene}, {disks:.0f} disks: {first} for an accuracy of {accuracy:g} of the {flow_costs.QUANTITY[scene]}")

@@ -78,10 +78,15 @@ def draw(runs, rows, path):
 
 
 def quantities(table):
+    first, last, late = "slip, first unloading", "slip, last unloading", "late rate"
     stands = table[table["collapses after"].isna()]
-    springs, rigid = (stands[stands.medium.isin(media)] for media in (("MD", "springs"), ("rigid",)))
+    springs, rigid = stands[stands.medium != "rigid"], stands[stands.medium == "rigid"]
     below, between = springs[springs.dSigma < springs.alternating], springs[(springs.dSigma > springs.alternating) & (springs.dSigma < springs.static)]
+    dense_between, loose_between = (between[(between["preparation friction"] > 0) == loose] for loose in (False, True))
     packings = table.drop_duplicates(["stress path", "preparation friction", "seed"])
-    return {"dense": packings[packings["preparation friction"] == 0], "loose": packings[packings["preparation friction"] > 0],
-            "springs": springs, "rigid": rigid, "below": below, "between": between,
-            "melan": between[between.dSigma < between.shakedown], "above": between[between.dSigma > between.ratchet]}
+    held = packings[packings["stress path"] == "constant"]
+    dense_held, loose_held = held[held["preparation friction"] == 0], held[held["preparation friction"] > 0]
+    melan, above = between[between.dSigma < between.shakedown], between[between.dSigma > between.ratchet]
+    above, near = above[above.dSigma < 0.5 * above.static], above[above.dSigma >= 0.5 * above.static]
+    rigid_below = rigid[rigid.dSigma < 0.9 * rigid.static]
+    return locals() | {"cycles": CYCLES, "kept": lambda rows: rows[last] / rows[first]}

@@ -79,7 +79,7 @@ template <class Space> void NearPairsOf<Space>::find(const World& world, const s
 	for (int k = 0; k < axes; k++)
 		origin[k] = median(coordinates[k]);
 	// Two boundaries make no pair: they are entered last, so that in each slot nobody need look at them for another one.
-	std::vector<int32_t> order;
+	order.clear();
 	std::size_t first = 0; // boundary in it
 	for (const bool boundary : { false, true }) {
 		first = order.size();

@@ -64,6 +64,7 @@ template <class Space> class NearPairsOf {
 	double width = 0, origin[axes] = {}; // of the cells [m]
 	std::vector<double> sides, coordinates[axes]; // of the disks, scratch
 	std::vector<Box> boxes;
+	std::vector<int32_t> order; // shapes as they are entered: of bodies, then of boundaries
 	std::vector<int32_t> large;
 	std::vector<Entry> entries, sorted;
 	std::vector<uint32_t> ends; // of each slot of the table: the end of its entries

@@ -57,7 +57,8 @@ template <class S> class Iteration {
 			evaluate(1);
 		}
 		reached = error;
-		cycles = flows = inFlows && error > poor && impulse > 0 && settings.tolerance >= coarse;
+		cycles = flows = inFlows && error > poor && impulse > 0 && settings.tolerance >= coarse
+		    && settings.tolerance < poor;
 		if (!solved())
 			keep();
 	}
