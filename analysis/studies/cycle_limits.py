@@ -27,7 +27,7 @@ def _rows(seeds, setting, loads=LOADS, **others):
 
 ROWS = {"quick": _rows((1,), SPRINGS, {"constant": (0.002, 0.1)}) + _rows((1,), RIGID, {"constant": (0.1,)}),
         "full": _rows(range(1, 6), SPRINGS) + _rows(range(1, 4), SPRINGS, preparation_friction=0.1)
-        + _rows(range(1, 6), RIGID, {path: loads[5:] for path, loads in LOADS.items()})
+        + _rows(range(1, 6), RIGID, {"constant": (0.1, 0.2, 0.4), "mean": (0.1,)})  # below the static limit; above it: Fig. 3
         + _rows((1, 2), MD)}
 
 
@@ -86,6 +86,7 @@ def quantities(table):
     packings = table.drop_duplicates(["stress path", "preparation friction", "seed"])
     held = packings[packings["stress path"] == "constant"]
     dense_held, loose_held = held[held["preparation friction"] == 0], held[held["preparation friction"] > 0]
+    dense_mean = packings[(packings["stress path"] == "mean") & (packings["preparation friction"] == 0)]
     melan, above = between[between.dSigma < between.shakedown], between[between.dSigma > between.ratchet]
     above, near = above[above.dSigma < 0.5 * above.static], above[above.dSigma >= 0.5 * above.static]
     rigid_below = rigid[rigid.dSigma < 0.9 * rigid.static]
