@@ -491,5 +491,6 @@ template <class Space> void ContactDynamics::report(const cd::StepReport& report
 }
 
 template cd::StepSettings<cd::Plane> ContactDynamics::settings(yade::Scene*) const; // for next_problem.cpp
+template cd::StepSettings<cd::Space3> ContactDynamics::settings(yade::Scene*) const;
 
 } // namespace cd_engine
