@@ -308,18 +308,3 @@ def test_what_is_refused_in_space(O, what):
     O.dt = 1e-3
     with pytest.raises(RuntimeError, match="free to turn|clump|method 'newton' solves planar scenes only"):
         O.run(1, True)
-
-
-def test_where_sweeps_take_long_newtons_method_follows(O):
-    """A column of spheres under one that is 1e5 times as heavy, from zero forces: each contact carries the weight of all above it. Sweeps alone do
-    not end it."""
-    mat, radius, count = material(), 0.1, 8
-    floor = O.bodies.append(utils.wall(0, axis=2, material=mat))
-    ids = [ball((0, 0, radius * (2 * k + 1)), radius, mat) for k in range(count)]
-    for i, mass in zip(ids, [1] * (count - 1) + [1e5]):
-        O.bodies[i].state.mass, O.bodies[i].state.inertia = mass, [0.4 * mass * radius**2] * 3
-    engine = run(1, 1e-3, tolerance=1e-6)
-    assert engine.converged and engine.solvedBy == "newton" and engine.iterations < 4000
-    for a, b in zip([floor] + ids, ids):
-        above = sum(O.bodies[i].state.mass for i in ids if i >= b)
-        assert O.interactions[a, b].phys.normalForce[2] == pytest.approx(above * G, rel=1e-6)  # as exact as the tolerance

@@ -183,8 +183,10 @@ def test_bodies_come_and_go_in_a_run(O):
 
 
 def polyhedron(mat):
-    from yade import polyhedra_utils
-    return polyhedra_utils.polyhedra(w.PolyhedraMat(), v=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    body = w.Body()  # yade.polyhedra_utils cannot be imported on Debian 13
+    body.shape, body.material = w.Polyhedra(v=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))), w.PolyhedraMat()
+    body.state.mass, body.state.inertia = 1, (1, 1, 1)
+    return body
 
 
 def shaped(shape):

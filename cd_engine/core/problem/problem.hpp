@@ -2,7 +2,6 @@
 #pragma once
 
 #include "problem/cone_law.hpp"
-#include "problem/cone_of_spheres.hpp"
 #include "problem/cone_system.hpp"
 #include "problem/contact_system.hpp"
 #include "problem/delassus_system.hpp"

@@ -6,10 +6,10 @@
 // The two ways of Newton's method, to move the centre and to hold it, are those of newton.cpp; cone_proximal.hpp is one of its problems.
 // "newton" makes one round of this, "auto" seven, and where these fail, seven again from the first guess, with sweeps in a random order. What has
 // several solutions, or nearly so, as blocks with much friction, is often solved from one start and not from another.
-#include "solvers/cone_newton.hpp"
 #include "matrix/matrix.hpp"
 #include "newton/newton.hpp"
 #include "solvers/iterate.hpp"
+#include "solvers/solver.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -154,7 +154,7 @@ namespace {
 				break;
 			if (round > 0) {
 				limit(factorizations);
-				if (add(newtonAlone(system, part)))
+				if (add(ConeNewton(system, part).run()))
 					break;
 				factorizations *= 2;
 			}
@@ -168,8 +168,6 @@ namespace {
 	}
 
 } // namespace
-
-SolverReport newtonAlone(ConeSystem& system, const SolverSettings& settings) { return ConeNewton(system, settings).run(); }
 
 SolverReport newton(ConeSystem& system, const SolverSettings& settings)
 {

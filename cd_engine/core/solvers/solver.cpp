@@ -208,7 +208,7 @@ namespace {
 		    solved<DelassusSystem, accelerated>, solved<ConeSystem, accelerated>, inSpace<accelerated> },
 		{ "newton", solved<ContactSystem<Plane>, newton>, nullptr, solved<DelassusSystem, newton>, solved<ConeSystem, newton> },
 		{ "auto", solved<ContactSystem<Plane>, automatic>, solved<ContactSystem<RollingPlane>, accelerated>,
-		    solved<DelassusSystem, automatic>, solved<ConeSystem, automatic>, inSpace<automatic> },
+		    solved<DelassusSystem, automatic>, solved<ConeSystem, automatic>, inSpace<accelerated> },
 	};
 
 	const Entry& find(const std::string& method)

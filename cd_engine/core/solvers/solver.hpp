@@ -87,7 +87,7 @@ std::string solvedBy(const std::string& method, const SolverReport&);
 
 // Null if there is no such method. What they return as converged resolves the velocities, too (resolution.hpp): if the error alone is within the
 // tolerance, they go on to smaller ones. Under fixedIterations nothing of this is done.
-// In space and with moments there is no newton for bodies (null), and with moments auto is accelerated.
+// In space and with moments there is no newton for bodies (null), and auto is accelerated.
 template <class Space = Plane> Solver<Space> findSolver(const std::string& method);
 template <> Solver<Plane> findSolver(const std::string& method);
 template <> Solver<RollingPlane> findSolver(const std::string& method);
@@ -106,7 +106,6 @@ SolverReport newton(ContactSystem<Plane>&, const SolverSettings&);
 SolverReport newton(DelassusSystem&, const SolverSettings&);
 SolverReport newton(ConeSystem&, const SolverSettings&);
 SolverReport automatic(ContactSystem<Plane>&, const SolverSettings&);
-SolverReport automatic(ContactSystem<Space3>&, const SolverSettings&);
 SolverReport automatic(DelassusSystem&, const SolverSettings&);
 SolverReport automatic(ConeSystem&, const SolverSettings&);
 
