@@ -183,7 +183,9 @@ def test_bodies_come_and_go_in_a_run(O):
 
 
 def polyhedron(mat):
-    body = w.Body()  # yade.polyhedra_utils cannot be imported on Debian 13
+    if not hasattr(w, "Polyhedra"):
+        pytest.skip("this YADE was built without polyhedra, as that of Debian 13")
+    body = w.Body()
     body.shape, body.material = w.Polyhedra(v=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))), w.PolyhedraMat()
     body.state.mass, body.state.inertia = 1, (1, 1, 1)
     return body
