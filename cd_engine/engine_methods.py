@@ -15,10 +15,9 @@ def exportProblem(self, path, bodies=False):
     """Write the contact problem that the next step would solve to *path*.
 
     The format is FCLIB (HDF5) or, with *bodies*, a BodyProblem, in space a SpaceBodyProblem, as .npz, in the order of the sweeps and with the
-    first guess; for :py:func:`cd_engine.core.read_problem` and for other codes. The ids of the bodies of each contact are in its data set
-    contact_ids. Nothing in
-    the scene changes. External forces are gravity and the permanent ones (O.forces.setPermF); what engines add in the course of a step is not
-    known before it, and is left out. ValueError if the name ends like one of the other format.
+    first guess; for :py:func:`cd_engine.core.read_problem` and for other codes. The ids of the bodies of each contact are in FCLIB's data set
+    contact_ids. Nothing in the scene changes. External forces are gravity and the permanent ones (O.forces.setPermF); what engines add in the
+    course of a step is not known before it, and is left out. ValueError if the name ends like one of the other format.
     """
     if str(path).lower().endswith((".hdf5", ".h5") if bodies else ".npz"):
         content = "bodies (.npz)" if bodies else "matrices (FCLIB, HDF5)"

@@ -3,6 +3,7 @@
 #include "systems.hpp"
 #include "solvability/solvability.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <doctest/doctest.h>
 #include <limits>
@@ -32,6 +33,24 @@ TEST_CASE("what two walls press together has no solution, whatever the tolerance
 					CHECK(name(ofMatrix.status) == std::string("no_solution"));
 					CHECK(ofMatrix.contact >= 0);
 				}
+}
+
+TEST_CASE("boundaries close in by their velocities and by biases that push, not by the second order of turning faces")
+{
+	const ContactSystem<Plane> given = squeezed(1, 0);
+	const double walls = closingOfBoundaries(given, velocitiesOf(given));
+	CHECK(walls > 0);
+	ContactSystem<Plane> s = given;
+	s.contacts.pushing = false;
+	CHECK(closingOfBoundaries(s, velocitiesOf(s)) == walls);
+	s = given;
+	for (BodyVelocity<Plane>& b : s.bodies)
+		std::fill_n(b.v, 3, 0.);
+	for (ContactRow<Plane>& c : s.contacts)
+		c.bias = -1e-4;
+	CHECK(closingOfBoundaries(s, velocitiesOf(s)) == doctest::Approx(1e-4));
+	s.contacts.pushing = false;
+	CHECK(closingOfBoundaries(s, velocitiesOf(s)) == 0);
 }
 
 TEST_CASE("walls that move without squeezing, and heavy loads on light disks, are solved as before")
