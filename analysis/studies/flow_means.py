@@ -18,6 +18,6 @@ OTHERS = [COARSE | {"gap_correction": 0.1}, PROPOSED, DEFAULT, IMPLICIT | {"kn":
 SEEDS, FEW = {"hopper": 32, "drum": 16, "filling": 8, "collapse": 16}, 0.25  # numbers of seeds, and the share of them that OTHERS get
 # All settings of a seed follow each other, and the scenes keep step, so that a run that is cut short has the same seeds in all settings.
 ORDERED = sorted(((seed, scene) for scene in QUANTITY for seed in range(1, SEEDS[scene] + 1)), key=lambda one: (one[0] - 0.5) / SEEDS[one[1]])
-ROWS = {"quick": rows_of("filling", SMALL, [FINE | {"fixed_iterations": 10}, LIGHT | {"kn": 5e6}], 1),
+ROWS = {"quick": rows_of("filling", SMALL, [FINE, FINE | {"fixed_iterations": 10}, LIGHT | {"kn": 5e6}], 1),
         "full": [row for seed, scene in ORDERED for row in rows_of(scene, SMALL, COMPARED + (OTHERS if seed <= FEW * SEEDS[scene] else []), seed)]
         + [row for scene in QUANTITY for row in rows_of(scene, SMALL, [STRICT], (1, 2))]}

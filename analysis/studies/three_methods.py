@@ -110,6 +110,7 @@ def draw(runs, rows, path):
     table = usual(pandas.DataFrame(rows))
     runs_of = summary.groups([run for run in runs if run.parameters["tangential_law"] == "standard"], experiment, ordered=False)
     for axis, which, panel in zip(axes.flat, (RAMP, LATE, COLLAPSE, SLOW), (_ramp, _late, _survival, _slow)):
+        axis.set_visible(which in runs_of)
         if which in runs_of:
             panel(axis, runs_of[which], table[table.experiment == which])
     style.finish(fig, path, "Top left: one packing. Top right: a point a packing, full: a late cycle (11 to 20), hollow: the first; dotted: equal "
