@@ -148,7 +148,7 @@ void addResiduals(const ContactSystem<Space>& system, const std::vector<double>&
 	moveBodies(system, freeVelocity, moved);
 	met.assign(moved.size(), 0);
 	leastHeavy.assign(moved.size(), std::numeric_limits<double>::infinity());
-	forEachCarried(system, [&](int32_t light, int32_t heavy) {
+	forEachHeavyOnLight(system, [&](int32_t light, int32_t heavy) {
 		if (moved[heavy].s > 0)
 			leastHeavy[light] = std::min(leastHeavy[light], moved[heavy].s);
 	});
