@@ -74,11 +74,15 @@ def _solved(runs):
     without = "; runs with a fixed number of sweeps have no tolerance" if len(solved) < len(rigid) else ""
     if not solved:
         return without
-    tolerances = [run.parameters["tolerance"] for run in solved]
+    ranges = []
+    for springs, words in ((False, ""), (True, "for springs, relative to the change of load, ")):
+        tolerances = {run.parameters["tolerance"] for run in solved if (run.parameters.get("cd_contacts") == "springs") == springs}
+        if tolerances:
+            ranges.append(words + " to ".join(f"{value:.0e}" for value in sorted({min(tolerances), max(tolerances)})))
     steps = [max(1, round(run.values("time")[-1] / effective_medium.step(run.parameters))) for run in solved]
     share = max(run.history["unconverged_steps"][-1] / count for run, count in zip(solved, steps))
     missed = f"missed by at most {100 * share:.2g} % of the steps of a run" if share else "missed by no step"
-    return f"; CD's tolerance {' to '.join(f'{value:.0e}' for value in sorted({min(tolerances), max(tolerances)}))}, {missed}{without}"
+    return f"; CD's tolerance {', '.join(ranges)}, {missed}{without}"
 
 
 def _mend_logarithms(fig):

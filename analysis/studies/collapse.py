@@ -157,6 +157,10 @@ def quantities(table):
     single = pandas.concat([change.loc[0.3] for change in others])
     stands = table[table.dSigma == 0.3].groupby("case")["collapses after"].agg(lambda lives: lives.isna().sum())
     count = len(soft.loc[0.3])
+    finer = table[(table.case == "rigid, step / 5") & (table.dSigma == 0.3)]
+    coarser = table[(table.case == "rigid") & (table.dSigma == 0.3) & table.seed.isin(finer.seed)]
+    stand = {name: int(rows["collapses after"].isna().sum()) for name, rows in (("finer", finer), ("coarser", coarser))}
+    long = table[table.case.isin(("springs, 2 s", "rigid, 2 s"))]["collapses after"]
     survivors = stats.fisher_exact([[stands[case], count - stands[case]] for case in ("rigid", "springs")])[1]
     paired = stats.binomtest(int(longer(soft.loc[0.3])), count).pvalue
     assert [side for side in sides if side[2] in side[:2]] == [(6, 0, 6), (0, 6, 6)] == sides[:2] and (soft.least > 1).all()

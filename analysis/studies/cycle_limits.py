@@ -87,7 +87,15 @@ def quantities(table):
     held = packings[packings["stress path"] == "constant"]
     dense_held, loose_held = held[held["preparation friction"] == 0], held[held["preparation friction"] > 0]
     dense_mean = packings[(packings["stress path"] == "mean") & (packings["preparation friction"] == 0)]
-    melan, above = between[between.dSigma < between.shakedown], between[between.dSigma > between.ratchet]
-    above, near = above[above.dSigma < 0.5 * above.static], above[above.dSigma >= 0.5 * above.static]
+    below_md, below_cd = (below[below.medium == medium] for medium in ("MD", "springs"))
+    loose_mean = packings[(packings["stress path"] == "mean") & (packings["preparation friction"] > 0)]
+    to_melan = (springs.dSigma / springs.shakedown).groupby([springs["stress path"], springs["preparation friction"], springs.seed])
+    nearest = to_melan.agg(lambda own: own[own < 1].max()), to_melan.agg(lambda own: own[own > 1].min())
+
+    def rates(rows):
+        own = rows[rows.medium == "springs"]
+        parts = own[own.dSigma < own.shakedown], own[(own.dSigma > own.ratchet) & (own.dSigma < 0.5 * own.static)], own[own.dSigma >= 0.5 * own.static]
+        return ", ".join(f"{part[late].abs().median():.1e} ({len(part)} runs)" for part in parts)
+
     rigid_below = rigid[rigid.dSigma < 0.9 * rigid.static]
     return locals() | {"cycles": CYCLES, "kept": lambda rows: rows[last] / rows[first]}

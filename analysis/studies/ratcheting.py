@@ -116,6 +116,8 @@ def quantities(table):
     powers = {name: {what: power(rows, what, ("seed", "dSigma")) for what in (rate, first)} for name, rows in (("low", low), ("all", springs))}
     powers["same"] = {what: _same_load(lower, what) for what in (rate, first)}
     slows = springs["last quarter's rate over the one before"]
+    by_seed = lower.pivot_table(index="seed", columns=stiffer, values=rate).abs()
+    stiffer_less = (by_seed[1] / by_seed[10]).dropna()  # the same dSigma; the packings differ, since each is prepared with its own springs
     table = table[table.dSigma == LOAD]
     rigid, solved = (table[table.tolerance == tolerance] for tolerance in (RIGID["tolerance"], SOLVED))
     rests, near, beyond = rigid[rigid[load] < 0.98], rigid[rigid[load].between(0.98, 1)], rigid[rigid[load] > 1]
