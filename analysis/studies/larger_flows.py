@@ -2,7 +2,7 @@
 import numpy as np
 
 from analysis import flow_costs
-from analysis.flow_costs import COARSE, COARSER, FINE, HARDER, MD, MIDDLE, QUANTITY, STIFF, draw, rows_of, summarize
+from analysis.flow_costs import COARSER, FEW, FINE, IMPLICIT, LIGHT, MD, QUANTITY, RIGID, draw, rows_of, summarize
 
 __all__ = ["draw", "summarize"]
 
@@ -12,11 +12,11 @@ ORDER = 30  # in the report
 PART = "engine"
 MANY = 5000
 FINER = FINE | {"cd_dt": 5e-4}
-SEEDS = (1, 2, 3)
 # Springs of 2e6 N/m are left out: their disks overlap by more than a tenth of a radius.
-ROWS = {"quick": rows_of("filling", 1000, [COARSER, COARSE, MIDDLE], 1),
-        "full": [row for seed in SEEDS for scene in QUANTITY
-                 for row in rows_of(scene, MANY, [FINER, FINE, COARSER, COARSE, MIDDLE, HARDER, STIFF], seed)]}
+COMPARED = [FINER, FINE, COARSER, *(FINE | {"fixed_iterations": sweeps} for sweeps in (5, 10, 20)), LIGHT | {"kn": 5e6}, LIGHT | {"kn": 2e7},
+            IMPLICIT | {"kn": 2e7, "beta_n": 0.2}]
+ROWS = {"quick": rows_of("filling", 1000, [FINE, COARSER, LIGHT | {"kn": 5e6}], 1),
+        "full": [row for seed in (1, 2, 3) for scene in QUANTITY for row in rows_of(scene, MANY, COMPARED, seed)]}
 
 
 def quantities(table):
