@@ -38,9 +38,9 @@ def settings(row):
     return f"{row['setting']:.0f} sweeps, {step}" if row["kind"] == FEW else f"{row['setting']:g}, {step}"
 
 
-def upper(gain):
-    """Return the upper end of an interval of gains in words; it is infinite where no springs count."""
-    return f"{gain:.1f}" if np.isfinite(gain) else "more than any measured"
+def median(gain):
+    """Return the median of drawn gains in words; it is infinite where in most draws no springs count."""
+    return f"{gain:.1f}" if np.isfinite(gain) else "unbounded, since no springs count,"
 
 
 def quantities(table):
@@ -56,6 +56,8 @@ def quantities(table):
     judged = table[~table.is_rigid_answer & table.apply(flow_costs.is_judged, axis=1)]
     springs = table[table.kind == MD].set_index(["setting", "beta_n", "scene"]).sort_index()
     light, damped, stiffest = (springs.loc[kn, beta] for kn, beta in ((2e7, LIGHT["beta_n"]), (2e7, 0.9), (2e8, LIGHT["beta_n"])))
+    own = table[table.kind == SPRINGS].set_index(["step", "setting", "beta_n", "scene"]).sort_index()
+    implicit, finer = (own.loc[step, 2e7, LIGHT["beta_n"]] for step in (IMPLICIT["cd_dt"], 2.5e-4))
     few = {sweeps: table[(table.kind == FEW) & (table.setting == sweeps)].set_index("scene") for sweeps in (2, 5, 10, 20)}
     cheapest_md = pandas.Series({scene: row["seconds"] for scene, row in best[MD].items()})
-    return locals() | {name: globals()[name] for name in ("QUANTITY", "WORDS", "KINDS", "NAMES", "FEW", "MD", "RIGID", "settings", "upper")}
+    return locals() | {name: globals()[name] for name in ("QUANTITY", "WORDS", "KINDS", "NAMES", "FEW", "MD", "RIGID", "settings", "median")}
