@@ -66,6 +66,15 @@ def test_packed_spheres_are_at_rest_under_the_load():
     assert warm.iterations < cold.iterations
 
 
+def test_a_step_of_a_flow_says_what_it_reached_beside_what_was_asked():
+    row = {"scene": "hopper", "disks": 600, "springs": False, "tolerance": 1e-3, "steps": 20}
+    found = problems.in_yade("flow", row)
+    assert {name: found[name] for name in row} == row and found["goal_sweeps"] == 50 and found["contacts"] > 600
+    assert 0 < found["mean_error"] <= found["largest_error"] <= row["tolerance"] and 1 < found["sweeps"] <= found["most_sweeps"]
+    fixed = problems.in_yade("flow", row | {"tolerance": 0.0})
+    assert fixed["sweeps"] == fixed["most_sweeps"] == 2 and fixed["ns_a_contact"] > 0 and fixed["goal_ns_beside_sweeps"] == 120
+
+
 @PEERS
 def test_siconos_solves_in_space():
     problem = core.SpaceBodyProblem(**vars(spheres.problem(spheres.packing(20, 1), 0.5)))

@@ -144,11 +144,13 @@ void addResiduals(const ContactSystem<Space>& system, const std::vector<double>&
 {
 	assert(system.consistent() && freeVelocity.size() == Space::freedoms * system.bodies.size() && islandOf.size() == system.contacts.size());
 	const Borrowed<Bodies<Space>> bodies(system.memory);
-	auto& [moved, met, leastHeavy] = *bodies;
+	auto& moved = bodies->moved; // no structured bindings: a lambda below captures them
+	auto& met = bodies->met;
+	auto& leastHeavy = bodies->leastHeavy;
 	moveBodies(system, freeVelocity, moved);
 	met.assign(moved.size(), 0);
 	leastHeavy.assign(moved.size(), std::numeric_limits<double>::infinity());
-	forEachCarried(system, [&](int32_t light, int32_t heavy) {
+	forEachHeavyOnLight(system, [&](int32_t light, int32_t heavy) {
 		if (moved[heavy].s > 0)
 			leastHeavy[light] = std::min(leastHeavy[light], moved[heavy].s);
 	});

@@ -93,7 +93,7 @@ struct ResidualSum {
 };
 
 // Calls f(light, heavy) for all touching bodies of which one is ten times heavier, if something passes through their contact.
-template <class Space, class F> void forEachCarried(const ContactSystem<Space>& system, const F& f)
+template <class Space, class F> void forEachHeavyOnLight(const ContactSystem<Space>& system, const F& f)
 {
 	constexpr double heavier = 10; // mass ratio from which a body is no longer one among many similar ones
 	for (const ContactRow<Space>& c : system.contacts) {

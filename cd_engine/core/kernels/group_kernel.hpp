@@ -45,7 +45,7 @@ struct alignas(64) PairEffects {
 struct RowSettings {
 	double dt, gapCorrection, allowedOverlap;
 	double pushedOut; // gap from which an overlap is pushed out, in radii
-	double onCone; // factor on mu p_n up to which a first guess is in the cone
+	double coneFactor; // factor on mu p_n up to which a first guess is in the cone
 	// Of contacts with stiffness:
 	bool compliant;
 	double dampingRatio;

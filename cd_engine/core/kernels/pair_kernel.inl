@@ -61,7 +61,7 @@ INLINE void soften(Rows& r, const PairLanes& p, int lane, const Vector& gap, con
 	const Components<Vector> guess = movedOn<Vector>({ r.pn, r.pt }, u, r.springs.kn, r.yields.t, settings.dt);
 	r.mu = r.springs.kt > none ? r.mu : none;
 	r.pn = guess.n;
-	r.pt = r.mu > none ? cutGuess<Vector>(guess, r.mu, settings.onCone) : none;
+	r.pt = r.mu > none ? cutGuess<Vector>(guess, r.mu, settings.coneFactor) : none;
 }
 
 // ContactRow::assembleBlock for arms an = bn = 0, and ProblemBuilder::guess().
@@ -86,7 +86,7 @@ INLINE Rows rowsOf(const Place* places, const BodyVelocity* bodies, const Carrie
 	const auto carries = (normal > none) & (tangential * none == none);
 	const Vector pn = carries ? settings.dt * normal / square : none, pt = carries ? settings.dt * tangential / square : none;
 	Rows r = { nx, ny, at, bt, ((gap > none ? gap : pushed) + none) / settings.dt, mu, known ? wnn : none, wnt, wtt, pn,
-		cutGuess<Vector>({ pn, pt }, mu, settings.onCone), {}, {} };
+		cutGuess<Vector>({ pn, pt }, mu, settings.coneFactor), {}, {} };
 	if constexpr (compliant)
 		soften(r, p, lane, gap, pt, settings);
 	return r;

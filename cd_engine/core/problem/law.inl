@@ -127,11 +127,11 @@ template <class N> LAW Components<N> cut(const Components<N>& p, const Friction<
 	return { n, larger(smaller(p.t, limit), -limit) };
 }
 
-// The same for the impulses of a step before, up to the round-off of dt times force and back: `onCone` is the factor on mu p_n.
-template <class N> LAW N cutGuess(const Components<N>& p, const N& mu, double onCone)
+// The same for the impulses of a step before, up to the round-off of dt times force and back: `coneFactor` is the factor on mu p_n.
+template <class N> LAW N cutGuess(const Components<N>& p, const N& mu, double coneFactor)
 {
 	const N most = mu * p.n;
-	return absolute(p.t) > most * onCone ? (p.t < N {} ? -most : most) : p.t;
+	return absolute(p.t) > most * coneFactor ? (p.t < N {} ? -most : most) : p.t;
 }
 
 // The nearest point of Coulomb's cone.

@@ -9,12 +9,12 @@ namespace {
 
 	// A contact whose tangential impulse is within this fraction of the cone slides; the solvers put sliding impulses on the cone
 	// to round-off, and a sticking one lies this close by chance with negligible probability.
-	constexpr double onCone = 1e-9;
+	constexpr double slidingMargin = 1e-9;
 
 	// How many contacts ahead data are prefetched: what pairs carry, and the pairs of the batch after the next.
 	constexpr std::size_t carriedAhead = 48, pairsAhead = 128;
 
-	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - onCone); }
+	bool slides(double mu, double pn, double pt) { return mu > 0 && std::abs(pt) >= mu * pn * (1 - slidingMargin); }
 
 	using Energies = SpringEnergies<double>;
 

@@ -7,14 +7,14 @@
 namespace cd {
 namespace {
 
-	constexpr double onCone = 1e-9; // as in the plane
+	constexpr double slidingMargin = 1e-9; // as in the plane
 
 	Vector3 normalOf(const ContactRow<Space3>& c) { return { c.nx, c.ny, c.nz }; }
 	Vector3 frictionOf(const SpatialComponents<double>& p) { return { p.x, p.y, p.z }; }
 
 	bool slides(double mu, const SpatialComponents<double>& p)
 	{
-		const double most = mu * p.n * (1 - onCone);
+		const double most = mu * p.n * (1 - slidingMargin);
 		return mu > 0 && tangentialSquare(p) >= most * most;
 	}
 

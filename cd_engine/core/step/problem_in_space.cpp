@@ -6,7 +6,7 @@ namespace cd {
 namespace {
 
 	constexpr double pushedOut = 1e-9; // of a sphere's radius: smaller overlaps are round-off and stay
-	constexpr double onCone = 1 + 1e-9; // as in the plane
+	constexpr double coneFactor = 1 + 1e-9; // as in the plane
 
 	// The friction that a contact has carried, turned with the contact: with its normal, and about it as its two bodies turn on average.
 	Vector3 frictionNow(const StepView<Space3>& step, const Pair& pair, const SpaceCarried& carried, const Vector3& n)
@@ -24,7 +24,7 @@ namespace {
 		if (!(normal > 0))
 			return { 0, 0, 0, 0 };
 		const Vector3 t = step.dt() * frictionNow(step, step.world.pairs[index], carried, n);
-		const double most = step.world.pairs[index].mu * normal, size = length(t), share = size > most * onCone ? most / size : 1;
+		const double most = step.world.pairs[index].mu * normal, size = length(t), share = size > most * coneFactor ? most / size : 1;
 		return { normal, share * t.x, share * t.y, share * t.z };
 	}
 

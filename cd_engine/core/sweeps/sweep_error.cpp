@@ -35,7 +35,7 @@ template <class Space> void SweepError<Space>::prepare(const ContactSystem& syst
 	if (!same.groups)
 		numberSums(problem);
 	if (!same.groups || !same.masses)
-		findCarried(system, problem);
+		findHeavyOnLight(system, problem);
 }
 
 template <class Space> void SweepError<Space>::numberSums(const PackedProblem& problem)
@@ -88,18 +88,18 @@ template <class Space> void SweepError<Space>::addToRuns(const PackedContacts& c
 	runs.back().contacts += count;
 }
 
-template <class Space> void SweepError<Space>::findCarried(const ContactSystem& system, const PackedProblem& problem)
+template <class Space> void SweepError<Space>::findHeavyOnLight(const ContactSystem& system, const PackedProblem& problem)
 {
-	carried.clear();
+	heavyOnLight.clear();
 	underHeavy.clear();
 	leastHeavy.assign(problem.bodies.now.size(), infinite);
-	forEachCarried(system, [&](int32_t light, int32_t heavy) {
-		carried.emplace_back(problem.bodies.place[light], problem.bodies.place[heavy]);
+	forEachHeavyOnLight(system, [&](int32_t light, int32_t heavy) {
+		heavyOnLight.emplace_back(problem.bodies.place[light], problem.bodies.place[heavy]);
 		leastHeavy[problem.bodies.place[light]] = 0; // a mark; findLeastHeavy() computes the values
 	});
 	for (std::size_t block = 0; block < ofBlock.size(); block++) {
 		ofBlock[block].underHeavy.from = underHeavy.size();
-		for (const std::size_t k : carried.empty() ? Range {} : problem.contacts.ofBlock[block].lanes()) {
+		for (const std::size_t k : heavyOnLight.empty() ? Range {} : problem.contacts.ofBlock[block].lanes()) {
 			const Group& g = problem.contacts.groups[k / Group::lanes];
 			const std::size_t lane = k % Group::lanes;
 			if (problem.contacts.grouping.members[k] >= 0 && std::min(leastHeavy[g.a[lane]], leastHeavy[g.b[lane]]) == 0)
@@ -175,10 +175,10 @@ template <class Space> Residual SweepError<Space>::operator()(const ContactSyste
 	velocities(problem, threads);
 	if (problem.twisted)
 		twistBodies(system, problem, threads);
-	const bool each = !carried.empty() || std::any_of(runs.begin(), runs.end(), [](const Run& r) { return r.sum < 0; });
+	const bool each = !heavyOnLight.empty() || std::any_of(runs.begin(), runs.end(), [](const Run& r) { return r.sum < 0; });
 	misses.resize(each ? problem.contacts.groups.size() : 0);
 	sums.resize(islandAt.size());
-	if (!carried.empty())
+	if (!heavyOnLight.empty())
 		findLeastHeavy();
 	problem.blocks.inEvery(threads, [&](int32_t block) {
 		addContacts(problem.contacts, block);
@@ -192,9 +192,9 @@ template <class Space> Residual SweepError<Space>::operator()(const ContactSyste
 
 template <class Space> void SweepError<Space>::findLeastHeavy()
 {
-	for (const auto& [light, heavy] : carried)
+	for (const auto& [light, heavy] : heavyOnLight)
 		leastHeavy[light] = infinite;
-	for (const auto& [light, heavy] : carried)
+	for (const auto& [light, heavy] : heavyOnLight)
 		if (moved[heavy].w > 0)
 			leastHeavy[light] = std::min(leastHeavy[light], moved[heavy].w);
 }
@@ -226,7 +226,7 @@ template <class Space> void SweepError<Space>::addContacts(const PackedContacts&
 		const Miss<double> miss = missOf(c, c.nn(), motionOf(A), motionOf(B), A.w + B.w);
 		ResidualSum& sum = sums[sumOfContact[contacts.grouping.loose[i]]];
 		sum.addContact(miss, impulseOf(c), c.nn());
-		if (!carried.empty())
+		if (!heavyOnLight.empty())
 			sum.addUnderHeavy(miss.velocity, std::min(leastHeavy[c.a], leastHeavy[c.b]));
 	}
 }

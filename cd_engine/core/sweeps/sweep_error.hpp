@@ -36,7 +36,7 @@ template <class Space> class SweepError {
 	};
 	void numberSums(const PackedProblem&);
 	void addToRuns(const PackedContacts&, Ranges&, std::size_t group);
-	void findCarried(const ContactSystem&, const PackedProblem&);
+	void findHeavyOnLight(const ContactSystem&, const PackedProblem&);
 	void twistBodies(const ContactSystem&, const PackedProblem&, Threads*);
 	void findLeastHeavy();
 	void addContacts(const PackedContacts&, int32_t block);
@@ -51,7 +51,7 @@ template <class Space> class SweepError {
 	std::vector<int32_t> sumOfBody; // and each packed body adds to; -1: the body cannot move
 	std::vector<ResidualSum> islands;
 	std::vector<Run> runs;
-	std::vector<std::pair<int32_t, int32_t>> carried; // packed bodies that touch; the second is ten times heavier
+	std::vector<std::pair<int32_t, int32_t>> heavyOnLight; // packed bodies that touch; the second is ten times heavier
 	std::vector<double> leastHeavy; // of each packed body: smallest s of the far heavier bodies that it carries [m/s]
 	std::vector<int32_t> underHeavy; // lanes of contacts of bodies that carry a far heavier one
 	std::vector<GroupMiss> misses; // empty if all runs have one sum and no body carries a far heavier one

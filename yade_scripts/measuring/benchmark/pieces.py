@@ -22,6 +22,7 @@ MEASURE = {
     "spheres": lambda folder, problem, **how: solutions.measure(problems.case(folder, **problem), **how),
     "sweeps": sweeps.measure,
     "step": lambda folder, **settings: [problems.in_yade("step", settings)],
+    "flow": lambda folder, **settings: [problems.in_yade("flow", settings)],
     "threads": lambda folder, **settings: problems.in_yade("threads", settings),
 }
 
@@ -102,6 +103,7 @@ def quick(files):
             + _spheres(4000, rounds=1, most_seconds=2.0, peer_seconds=5.0)
             + _pieces("sweeps", product(disks=400, copies=(1, 10), rounds=3, peer=peer))
             + _pieces("step", product(rows=20, columns=20, tolerance=1e-4, steps=100, order="built"))
+            + _pieces("flow", product(scene="hopper", disks=600, springs=False, tolerance=(1e-3, 0.0), steps=40))
             + _pieces("threads", product(rows=20, columns=20, tolerance=1e-4, steps=100)))
 
 
@@ -124,5 +126,8 @@ def full(files):
                                 for columns, steps in ((20, 2000), (200, 500), (2000, 500), (12500, 500))),
                       product(**step | {"order": "shuffled"}, columns=2000, steps=500, tolerance=1e-4),
                       product(**step, columns=50000, steps=150, tolerance=1e-4))
+            + _pieces("flow", *(product(scene=scene, disks=disks, springs=springs, tolerance=tolerance, steps=300)
+                                for scene, disks in (("drum", 2000), ("hopper", 600))
+                                for springs, tolerance in ((False, (1e-3, 1e-4, 0.0)), (True, (1e-3, 1e-4)))))
             + _pieces("threads", *(product(rows=20, columns=columns, tolerance=1e-4, steps=steps) for columns, steps in ((200, 2000), (2000, 300))))
             + _solve(_packings(40000, 1, BOTH), targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer))

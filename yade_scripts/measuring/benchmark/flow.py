@@ -1,0 +1,98 @@
+"""Measures what a step of a flow costs: a turning drum or the discharge of a silo, by rigid contacts or by springs in Contact Dynamics.
+
+    yade -n -x yade_scripts/measuring/in_yade.py benchmark.flow '{"scene": "drum", "disks": 2000, "springs": false, "tolerance": 1e-3, "steps": 300}'
+
+Steps of 1 ms, one thread. The flow begins with BEGIN steps to 1e-3. Then as many steps are counted as are timed, in one run of their own each, so
+that nothing is recorded while time is measured; times are processor times of a long run less that of a short one. tolerance 0: FIXED sweeps a step,
+and MORE sweeps a step beside them, which tell what a sweep costs and so what a step costs beside its sweeps.
+    Springs are as stiff as k_n h^2 W_nn = STIFF for two disks of mean mass, where a step is easier than with rigid contacts. The engine solves their
+steps to its own tolerance for springs, which has another meaning.
+    EXPORTED problems are written while steps are counted, and solved from their first guess to the tolerance of the row: `errors` are computed anew
+from the impulses (core.residual). The sweeps of springs are those of these problems.
+"""
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from yade import O
+
+from cd_engine import core
+from yade_scripts import parameters, results, scenes
+from yade_scripts.running import bodies, hooks
+
+STEP, BEGIN, FIXED, MORE, STIFF, EXPORTED = 1e-3, 300, 2, 22, 100.0, 20
+# What is asked, by (springs, tolerance): sweeps a step in the mean, the most sweeps of a step, ns a contact of a whole step; and of any step of
+# FIXED sweeps, ns a contact beside the sweeps.
+GOALS = {(False, 1e-3): {"goal_sweeps": 50}, (False, 1e-4): {"goal_most_sweeps": 3000},
+         (True, 1e-3): {"goal_sweeps": 30, "goal_ns_a_contact": 800}, (True, 1e-4): {"goal_sweeps": 60}, (False, 0.0): {"goal_ns_beside_sweeps": 120}}
+
+
+def main(scene, disks, springs, tolerance, steps):
+    engine = begin(scene, disks, springs)
+    missed = engine.unconvergedSteps
+    if tolerance:
+        if not springs:
+            engine.tolerance = tolerance
+        sweeps, solved = counted(engine, steps, tolerance)
+        errors = [error for _, error in solved]
+        if springs:
+            sweeps = [number for number, _ in solved]
+        cost, beside = nanoseconds(engine, steps), None
+    else:
+        per_sweep, errors, sweeps = {}, [], [FIXED]
+        for number in (MORE, FIXED):
+            engine.fixedIterations = number
+            hooks.simulate(10)
+            per_sweep[number] = nanoseconds(engine, steps)
+        cost = per_sweep[FIXED]
+        beside = cost - FIXED * (per_sweep[MORE] - cost) / (MORE - FIXED)
+    return {"status": "measured", "scene": scene, "disks": disks, "contacts": engine.contacts, "springs": springs, "tolerance": tolerance,
+            "steps": steps, "steps_missed": engine.unconvergedSteps - missed, "sweeps": float(np.mean(sweeps)), "most_sweeps": int(max(sweeps)),
+            "ns_a_contact": cost, "ns_beside_sweeps": beside, "mean_error": float(np.mean(errors)) if errors else None,
+            "largest_error": max(errors, default=None)} | GOALS.get((springs, tolerance), {})
+
+
+def begin(scene, disks, springs):
+    """Build the scene and let it flow. Return the engine."""
+    row = {"scene": scene, "disks": disks, "method": "CD", "cd_dt": STEP, "tolerance": 1e-3, "max_iterations": 20000, "period": 10.0}
+    if springs:
+        scenes.build(parameters.complete(row), results.FOLDER)
+        row |= {"cd_contacts": "springs", "tolerance": parameters.SPRING_TOLERANCE, "beta_n": 0.2, "kn": STIFF * bodies.mean_mass() / (2 * STEP**2)}
+    scenes.build(parameters.complete(row), results.FOLDER)
+    engine = hooks.engine("ContactDynamics")
+    engine.threads = 1
+    hooks.simulate(BEGIN)
+    return engine
+
+
+def counted(engine, steps, tolerance):
+    """Return the sweeps of each of `steps` steps, and (sweeps, error) of the exported problems."""
+    sweeps, problems, solved = [], [], []
+    with tempfile.TemporaryDirectory() as folder:
+        def count():
+            sweeps.append(engine.iterations)
+            if len(sweeps) % max(1, steps // EXPORTED) == 0:
+                problems.append(Path(folder) / f"{len(sweeps)}.npz")
+                engine.exportProblem(str(problems[-1]), True)
+
+        O.engines = O.engines + [hooks.runner(count, iterPeriod=1)]
+        hooks.simulate(steps)
+        O.engines = O.engines[:-1]
+        for path in problems:
+            problem = core.read_problem(path)
+            report = core.solve(problem, tolerance=tolerance, max_iterations=20000, impulses=problem.impulses)
+            solved.append((report.iterations, core.residual(problem, report.impulses)))
+    return sweeps, solved
+
+
+def nanoseconds(engine, steps):
+    """Return the processor time of a step over the number of contacts [ns]."""
+    def seconds(count):
+        before = time.process_time()
+        hooks.simulate(count)
+        return time.process_time() - before
+
+    hooks.simulate(1)
+    short = seconds(1)
+    return 1e9 * (seconds(steps) - short) / (steps - 1) / engine.contacts
