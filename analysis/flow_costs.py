@@ -23,7 +23,9 @@ STRICT = PROPOSED | {"tolerance": 1e-6, "max_iterations": 20000}
 DEFAULT = STRICT | {"flow_tolerance": 1e-4}  # of cd_engine.engines()
 DAMPED = dict(method="MD", md_dt_factor=0.3, md_energies=False)  # beta_n = 0.9: impacts do not rebound, as in CD, but the stable step is short
 SOFT, MIDDLE, HARDER, STIFF = (DAMPED | {"kn": kn} for kn in (2e6, 5e6, 1e7, 2e7))
-LIGHT = 0.2  # damping beta_n of the springs that are drawn full
+BETA = 0.2  # damping of the springs that are drawn full: less than beta_n = 0.9, so that the stable step is longer
+LIGHT = DAMPED | dict(md_dt_factor=0.6, beta_n=BETA)
+IMPLICIT = dict(method="CD", cd_contacts="springs", cd_dt=1e-3)
 RIGID, FEW, SPRINGS, MD = "rigid contacts", "rigid contacts, few sweeps", "springs in CD", "springs (MD)"
 KINDS = (RIGID, FEW, SPRINGS, MD)
 LOOK = {RIGID: dict(color=style.COLOUR["CD"], marker="s"), FEW: dict(color=style.COLOUR["CD"], marker="v"),
@@ -39,18 +41,6 @@ def rows_of(scene, disks, settings, seeds):
             for row in product(**dict(scene=scene, disks=disks, period=round(PERIOD[scene] * size**0.25, 3), seed=seeds) | more | setting)]
 
 
-COMPARED = [FINEST, PROPOSED, FINE, COARSER, COARSEST, COARSE, MIDDLE, HARDER, STIFF]  # with more seeds where one run differs much from another
-OTHERS = [COARSE | {"gap_correction": 0.1}, COARSE | {"cd_dt": 4e-3}, DEFAULT, SOFT]
-# Of the collapse, where springs of 2e7 N/m have not converged, and of the drum, where the profile of velocity tests the rigid answer.
-MORE = {"collapse": [FINEST | {"cd_dt": 1.25e-4}, DAMPED | {"kn": 1e8}], "drum": [FINEST | {"tolerance": 1e-4}]}
-SEEDS = {"hopper": range(1, 37), "drum": range(1, 37), "filling": range(1, 13), "collapse": range(1, 37)}  # of 500 disks
-
-
-def small(scene):
-    """Return the rows of a flow of 500 disks in which settings are compared."""
-    return rows_of(scene, SMALL, COMPARED + MORE.get(scene, []), SEEDS[scene]) + rows_of(scene, SMALL, OTHERS, range(1, 13))
-
-
 def _setting(run):
     """Return the columns of the table that tell the setting of a run."""
     row, cd = run.parameters, run.method == "CD"
@@ -62,6 +52,19 @@ def _setting(run):
             "setting": row["kn"] if soft else sweeps or max(row["tolerance"], row["flow_tolerance"]),
             "gap_correction": row["gap_correction"] if cd else 0.0, "at_rest": row["tolerance"] if cd else 0.0,
             "beta_n": row["beta_n"] if soft else math.nan}
+
+
+def arguments(row):
+    """Return the arguments of a run, as on a command line, that give a row of the table its setting."""
+    spring = f"kn={row['setting']:g} beta_n={row['beta_n']:g}"
+    if row["kind"] == MD:
+        return f"{spring} md_dt_factor={row['step']:g}"
+    if row["kind"] == SPRINGS:
+        return f"cd_contacts=springs {spring} cd_dt={row['step']:g}"
+    if row["kind"] == FEW:
+        return f"cd_dt={row['step']:g} fixed_iterations={row['setting']:g}"
+    flow = "" if row["at_rest"] == row["setting"] else f" flow_tolerance={row['setting']:g}"
+    return f"cd_dt={row['step']:g} tolerance={row['at_rest']:g}{flow} gap_correction={row['gap_correction']:g}"
 
 
 def summarize(runs):
@@ -150,9 +153,9 @@ def gains(rows, disks, kind=RIGID):
     return {scene: md["seconds"] / cd["seconds"] for scene, (md, cd) in pairs.items() if md and cd}
 
 
-def drawn_gains(rows, disks, draws=2000):
+def drawn_gains(rows, disks, kind=RIGID, draws=2000):
     """Return a table of gains, a column a scene, if the means are drawn again: from Student's t distribution with the standard error and the number
-    of seeds of each. Where no other rigid contacts are within 2 % then, the rigid answer gives their cost; where no springs are, the gain is
+    of seeds of each. Where nothing else of the kind is within 2 % then, the rigid answer gives its cost; where no springs are, the gain is
     infinite: stiffer ones, if any suffice, would cost more.
     """
     dice, found = np.random.default_rng(1), []
@@ -161,9 +164,9 @@ def drawn_gains(rows, disks, draws=2000):
         drawn = [row | {"value": row["value"] + row["deviation"] * dice.standard_t(row["seeds"] - 1)} for row in known]
         rigid = {row["scene"]: row for row in drawn if row["is_rigid_answer"]}
         drawn = [row | {"error": row["value"] / rigid[row["scene"]]["value"] - 1} for row in drawn]
-        least = {kind: {scene: min((row["seconds"] for row in reaching(drawn, scene, disks, kind)), default=other(scene)) for scene in QUANTITY}
-                 for kind, other in ((MD, lambda scene: math.inf), (RIGID, lambda scene: rigid[scene]["seconds"]))}
-        found.append({scene: least[MD][scene] / least[RIGID][scene] for scene in QUANTITY})
+        least = {one: {scene: min((row["seconds"] for row in reaching(drawn, scene, disks, one)), default=other(scene)) for scene in QUANTITY}
+                 for one, other in ((MD, lambda scene: math.inf), (kind, lambda scene: rigid[scene]["seconds"]))}
+        found.append({scene: least[MD][scene] / least[kind][scene] for scene in QUANTITY})
     return pandas.DataFrame(found)
 
 
@@ -181,12 +184,12 @@ def draw(runs, rows, path):
     for axes, scene in zip(panels[0], names):
         axes.axhspan(-100 * WITHIN, 100 * WITHIN, color=style.GREY["EE"], zorder=0)
         for _, row in table[table.scene == scene].iterrows():
-            full = row.is_rigid_answer or row.beta_n == LIGHT
+            full = row.is_rigid_answer or row.beta_n == BETA
             axes.errorbar(row.seconds, 100 * row.error, 100 * np.nan_to_num(row.error_deviation), ls="", elinewidth=0.7, zorder=3 if full else 2,
                           **LOOK[row.kind], **(dict(ms=8, mec="k") if row.is_rigid_answer else dict(ms=4.5, mfc=None if full else "none")))
         axes.set(xscale="log", xlabel="processor time of a run [s]", title=WORDS[scene])
     panels[0][0].set_ylabel("error, relative to rigid grains [%]")
     style.legend(panels[0][-1], [dict(ls="", mfc="none", label=kind, **LOOK[kind]) for kind in kinds], fontsize=7)
-    more = f" Filled circles and diamonds: springs with beta_n = {LIGHT:g}; open: more damping." if (table.beta_n == LIGHT).any() else ""
+    more = f" Filled circles and diamonds: springs with beta_n = {BETA:g}; open: more damping." if (table.beta_n == BETA).any() else ""
     style.finish(fig, path, f"{table.disks.max()} disks. Each point: one setting; bars: standard error over the seeds, where there are several. "
                  f"With an edge: the rigid answer. Grey: 2 %.{more}", runs)

@@ -56,20 +56,18 @@ def of_flow(scene, accuracy):
     lines = []
     for disks in sorted({row["disks"] for row in rows}):
         own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]
-        cheapest = [flow_costs.cheapest(own, scene, disks, kind, accuracy) for kind in (flow_costs.RIGID, flow_costs.MD)]
+        cheapest = [flow_costs.cheapest(own, scene, disks, kind, accuracy) for kind in flow_costs.KINDS]
         best = sorted((row for row in cheapest if row and abs(row["error"]) <= accuracy), key=lambda row: row["seconds"])
-        first = f"{best[0]['method']} is recommended" if best else "no setting that was tried suffices"
+        first = f"{best[0]['method']} ({best[0]['kind']}) is recommended" if best else "no setting that was tried suffices"
         lines.append(f"{scene}, {disks:.0f} disks: {first} for an accuracy of {accuracy:g} of the {flow_costs.QUANTITY[scene]}")
         for row in best:
-            flow = "" if row["at_rest"] == row["setting"] else f" flow_tolerance={row['setting']:g}"
-            set_by = f"cd_dt={row['step']:g} tolerance={row['at_rest']:g}{flow} gap_correction={row['gap_correction']:g}" if row["method"] == "CD" \
-                else f"kn={row['setting']:g} md_dt_factor={row['step']:g}"
+            set_by = flow_costs.arguments(row)
             spread = f"standard error {100 * row['error_deviation']:.1f} %, {row['seeds']:.0f} seeds" if row["seeds"] > 1 else "one seed"
             sure = "" if abs(row["error"]) + row["error_deviation"] <= accuracy else "; whether it is within the accuracy is not certain"
-            lines.append(f"  {row['method']}, {set_by}: off by {100 * row['error']:.1f} % ({spread}{sure}), {row['seconds']:.3g} s a run")
+            lines.append(f"  {row['kind']}, {set_by}: off by {100 * row['error']:.1f} % ({spread}{sure}), {row['seconds']:.3g} s a run")
             if row is best[0]:
                 run = f"Run it: yade -n -x yade_scripts/run.py scene={scene} method={row['method']} disks={row['disks']:.0f} seed=1 {set_by}"
-        lines += [f"  {row['method']}: not reached; the nearest is off by {100 * row['error']:.1f} %, {row['seconds']:.3g} s a run"
+        lines += [f"  {row['kind']}: not reached; the nearest is off by {100 * row['error']:.1f} %, {row['seconds']:.3g} s a run"
                   for row in cheapest if row and row not in best] + ([run] if best else [])
     return lines
 

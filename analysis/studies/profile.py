@@ -2,16 +2,19 @@
 import numpy as np
 import pandas
 
-from analysis import flow_costs, style, summary
+from analysis import style, summary
+from analysis.flow_costs import COARSE, COARSER, COARSEST, FINE, FINEST, HARDER, MIDDLE, PROPOSED, SMALL, SOFT, STIFF, rows_of
 from yade_scripts.results.reader import AGAIN, ResultError
 
 TITLE = "Profile of velocity in a drum"
 QUESTION = "Do rigid contacts and springs give the same profile, and which settings suffice?"
-ORDER = 32  # in the report, after the flows, whose runs it reads
+ORDER = 32  # in the report
 PART = "engine"
 
-ROWS = {"quick": flow_costs.rows_of("drum", flow_costs.SMALL, [flow_costs.COARSER, flow_costs.COARSEST], 1),
-        "full": [row for row in flow_costs.small("drum") if "flow_tolerance" not in row]}
+COMPARED = [FINEST, PROPOSED, FINE, COARSER, COARSEST, COARSE, MIDDLE, HARDER, STIFF, FINEST | {"tolerance": 1e-4}]
+OTHERS = [COARSE | {"gap_correction": 0.1}, COARSE | {"cd_dt": 4e-3}, SOFT]
+ROWS = {"quick": rows_of("drum", SMALL, [COARSER, COARSEST], 1),
+        "full": rows_of("drum", SMALL, COMPARED, range(1, 37)) + rows_of("drum", SMALL, OTHERS, range(1, 13))}
 SHOWN = {"MD": (2e6, 5e6, 2e7), "CD": ((4e-3, 1e-2), (4e-3, 1e-3))}  # settings that are drawn beside the rigid answer
 
 
@@ -103,7 +106,7 @@ def draw(runs, rows, path):
     whole.set(xlabel=r"velocity down the slope / $\omega R$", ylabel="depth below the axis / R")
     apart.set(xlabel=r"difference from the rigid answer / $\omega R$")
     whole.legend(fontsize=7)
-    style.finish(fig, path, f"{flow_costs.SMALL} disks, mean over the seeds; bars: standard error of the difference. Labels: step and tolerance, "
+    style.finish(fig, path, f"{SMALL} disks, mean over the seeds; bars: standard error of the difference. Labels: step and tolerance, "
                  "or stiffness.", runs)
 
 
@@ -116,9 +119,9 @@ def quantities(table):
                             (setting["md_dt_factor"], setting["kn"], 0.0)]
 
     fine, coarser, middle, harder, stiff, longest = map(of, (
-        flow_costs.FINE, flow_costs.COARSER, flow_costs.MIDDLE, flow_costs.HARDER, flow_costs.STIFF, flow_costs.COARSEST))
+        FINE, COARSER, MIDDLE, HARDER, STIFF, COARSEST))
     rough, soft = pandas.DataFrame([fine, coarser]), pandas.DataFrame([middle, harder, stiff])
-    corrected, longest_rough = of(flow_costs.COARSE, 0.1), of(flow_costs.COARSEST | {"tolerance": 1e-2})
+    corrected, longest_rough = of(COARSE, 0.1), of(COARSEST | {"tolerance": 1e-2})
     chances = table.p.dropna().sort_values().to_numpy()
     holm = np.maximum.accumulate(chances * np.arange(len(chances), 0, -1))
     assert list(chances[:3]) == [corrected.p, *sorted([longest.p, longest_rough.p])] and chances[2] < 0.01
