@@ -2,6 +2,7 @@
 #include "step/pair_lanes.hpp"
 
 #include <cassert>
+#include <type_traits>
 #include <utility>
 
 namespace cd {
@@ -120,15 +121,18 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 	const std::vector<Mean>& means = step.motion.means();
 	const ContactRow<Plane>* const rows = spared ? nullptr : contacts.all().data();
 	const Components<double>* const solution = contacts.solution();
-	const auto bookRange = [&](std::size_t from, std::size_t to) {
+	// plain: rigid contacts without rolling resistance, and no body sleeps. Without their branches a pass has a fifth fewer instructions.
+	const auto bookRange = [&](auto plain, std::size_t from, std::size_t to) {
+		constexpr bool isPlain = decltype(plain)::value;
 		// Copies, because to the compiler a store to what a pair carries might change what is captured.
 		const double dt = step.dt(), rate = 1 / dt;
 		const int32_t* const pairOf = finder.pairs().data();
 		const Pair* const pairs = world.pairs.data();
 		Carried* const carried = world.carried.data();
-		const bool anyAsleep = !sleepers.none();
+		const bool anyAsleep = !isPlain && !sleepers.none();
+		const ContactRow<RollingPlane>* const rollingRows = isPlain ? nullptr : rolling;
 		const RowSettings settings = rowSettings(step);
-		const Stiffness* const stiffnesses = world.compliant() ? world.stiffnesses.data() : nullptr;
+		const Stiffness* const stiffnesses = !isPlain && world.compliant() ? world.stiffnesses.data() : nullptr;
 		Totals sum { 0, 0, from > 0 ? 0 : report.dissipated };
 		const auto later = [pairOf, last = contacts.size() - 1](std::size_t i) { return pairOf[std::min(i, last)]; };
 		for (; from < to; from += batch) {
@@ -154,8 +158,8 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 				if (builder.isSpecial(i))
 					effectOf(rows ? rows[i] : builder.specialRow(i), means, p[k], stiffnesses ? stiffnesses[pairOf[i]].kn : 0, dt,
 					    e, l);
-				if (rolling && stiffnesses)
-					addSpring(rolling[i], e, l);
+				if (rollingRows && stiffnesses)
+					addSpring(rollingRows[i], e, l);
 				if (stiffnesses)
 					sum.springs.before += e.before[l];
 				if (pn <= 0) {
@@ -163,7 +167,7 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 					continue;
 				}
 				const double nx = e.nx[l], ny = e.ny[l];
-				const ContactRow<RollingPlane>* const moved = rolling ? rolling + i : nullptr;
+				const ContactRow<RollingPlane>* const moved = rollingRows ? rollingRows + i : nullptr;
 				if (!keeps(nx, ny, pn, pt, moved, was, dt)) {
 					const double fn = pn * rate, ft = pt * rate;
 					was.nx = nx;
@@ -193,7 +197,11 @@ void Account<Plane>::book(World& world, const StepView<Plane>& step, const Conta
 		}
 		return sum;
 	};
-	bookAll(world, step, finder, contacts.size(), sleepers, bookRange, report);
+	const bool plain = sleepers.none() && !rolling && !world.compliant();
+	const auto book = [&](std::size_t from, std::size_t to) {
+		return plain ? bookRange(std::true_type(), from, to) : bookRange(std::false_type(), from, to);
+	};
+	bookAll(world, step, finder, contacts.size(), sleepers, book, report);
 	known = !sleepers.none();
 	if (known)
 		bookSleeping(world, step, finder, contacts, rolling, sleepers, report);
