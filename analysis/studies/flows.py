@@ -42,7 +42,7 @@ def settings(row):
 
 def median(gain):
     """Return the median of drawn gains in words; it is infinite where in most draws no springs count."""
-    return f"{gain:.1f}" if np.isfinite(gain) else "unbounded, since no springs count,"
+    return f"{gain:.1f}" if np.isfinite(gain) else "infinite, as no springs count"
 
 
 def quantities(table):
@@ -61,5 +61,6 @@ def quantities(table):
     own = table[table.kind == SPRINGS].set_index(["step", "setting", "beta_n", "scene"]).sort_index()
     implicit, finer = (own.loc[step, 2e7, LIGHT["beta_n"]] for step in (IMPLICIT["cd_dt"], 5e-5))
     few = {sweeps: table[(table.kind == FEW) & (table.setting == sweeps)].set_index("scene") for sweeps in (2, 5, 10, 20)}
+    gained = [gain[FEW][scene] for scene in counts[MD]]  # where springs of MD give the mean
     cheapest_md = pandas.Series({scene: row["seconds"] for scene, row in best[MD].items()})
     return locals() | {name: globals()[name] for name in ("QUANTITY", "WORDS", "KINDS", "NAMES", "FEW", "MD", "RIGID", "settings", "median")}
