@@ -132,7 +132,7 @@ def test_recommend_for_a_flow(published, capsys):
     assert "filling, 500 disks: CD (rigid contacts, few sweeps) is recommended for an accuracy of 0.02 of the height" in said and "standard error" in said
     assert "springs (MD), kn=" in said and "springs in CD, cd_contacts=springs kn=" in said
     assert "Run it: yade -n -x yade_scripts/run.py scene=filling method=CD disks=500 seed=1 cd_dt=" in said
-    assert main([*published, "--scene", "drum", "--accuracy", "1e-3"]) == 0
+    assert main([*published, "--scene", "drum", "--accuracy", "5e-3"]) == 0
     assert "whether it is within the accuracy is not certain" in capsys.readouterr().out
     assert main([*published, "--scene", "collapse", "--accuracy", "0.02"]) == 0
     assert "springs (MD): not reached; the nearest is off by 4.2 %" in capsys.readouterr().out
