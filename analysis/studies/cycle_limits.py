@@ -81,7 +81,8 @@ def quantities(table):
     first, last, late = "slip, first unloading", "slip, last unloading", "late rate"
     stands = table[table["collapses after"].isna()]
     springs, rigid = stands[stands.medium != "rigid"], stands[stands.medium == "rigid"]
-    below, between = springs[springs.dSigma < springs.alternating], springs[(springs.dSigma > springs.alternating) & (springs.dSigma < springs.static)]
+    below = springs[springs.dSigma < springs.alternating]
+    between = springs[(springs.dSigma > springs.alternating) & (springs.dSigma < springs.static)]
     dense_between, loose_between = (between[(between["preparation friction"] > 0) == loose] for loose in (False, True))
     packings = table.drop_duplicates(["stress path", "preparation friction", "seed"])
     held = packings[packings["stress path"] == "constant"]
@@ -94,7 +95,8 @@ def quantities(table):
 
     def rates(rows):
         own = rows[rows.medium == "springs"]
-        parts = own[own.dSigma < own.shakedown], own[(own.dSigma > own.ratchet) & (own.dSigma < 0.5 * own.static)], own[own.dSigma >= 0.5 * own.static]
+        near = own.dSigma >= 0.5 * own.static
+        parts = own[own.dSigma < own.shakedown], own[(own.dSigma > own.ratchet) & ~near], own[near]
         return ", ".join(f"{part[late].abs().median():.1e} ({len(part)} runs)" for part in parts)
 
     rigid_below = rigid[rigid.dSigma < 0.9 * rigid.static]

@@ -9,8 +9,8 @@ from analysis.flow_costs import (COARSE, COARSER, DEFAULT, FEW, FINE, FINEST, IM
 __all__ = ["draw", "summarize"]
 
 TITLE = "What does the mean of a flow cost by each method?"
-QUESTION = ("Silo, drum, filling and collapse of 500 disks: MD's springs with two dampings, springs in Contact Dynamics, and rigid contacts solved to a"
-            " tolerance or with a given small number of sweeps a step.")
+QUESTION = ("Silo, drum, filling and collapse of 500 disks: MD's springs with two dampings, springs in Contact Dynamics, and rigid contacts solved to"
+            " a tolerance or with a given small number of sweeps a step.")
 ORDER = 11  # in the report
 FEWER = [FINE | {"fixed_iterations": sweeps} for sweeps in (2, 5, 10, 20)]
 COMPARED = [FINEST, FINE, COARSER, COARSE, *FEWER,
@@ -63,4 +63,5 @@ def quantities(table):
     few = {sweeps: table[(table.kind == FEW) & (table.setting == sweeps)].set_index("scene") for sweeps in (2, 5, 10, 20)}
     gained = [gain[FEW][scene] for scene in counts[MD]]  # where springs of MD give the mean
     cheapest_md = pandas.Series({scene: row["seconds"] for scene, row in best[MD].items()})
-    return locals() | {name: globals()[name] for name in ("QUANTITY", "WORDS", "KINDS", "NAMES", "FEW", "MD", "RIGID", "settings", "median")}
+    return locals() | {"QUANTITY": QUANTITY, "WORDS": WORDS, "KINDS": KINDS, "NAMES": NAMES, "FEW": FEW, "MD": MD, "RIGID": RIGID, "settings": settings,
+                       "median": median}
