@@ -57,8 +57,9 @@ def of_flow(scene, accuracy):
     for disks in sorted({row["disks"] for row in rows}):
         own = [row for row in rows if row["disks"] == disks and not row["is_rigid_answer"]]
         cheapest = [flow_costs.cheapest(own, scene, disks, kind, accuracy) for kind in flow_costs.KINDS]
-        best = sorted((row for row in cheapest if row and abs(row["error"]) <= accuracy), key=lambda row: row["seconds"])
-        first = f"{best[0]['method']} ({best[0]['kind']}) is recommended" if best else "no setting that was tried suffices"
+        best = sorted((row for row in cheapest if row and row in flow_costs.reaching(own, scene, disks, row["kind"], accuracy)),
+                      key=lambda row: row["seconds"])
+        first = f"{best[0]['kind']} are recommended" if best else "no setting that was tried suffices"
         lines.append(f"{scene}, {disks:.0f} disks: {first} for an accuracy of {accuracy:g} of the {flow_costs.QUANTITY[scene]}")
         for row in best:
             set_by = flow_costs.arguments(row)
@@ -68,6 +69,7 @@ def of_flow(scene, accuracy):
             if row is best[0]:
                 run = f"Run it: yade -n -x yade_scripts/run.py scene={scene} method={row['method']} disks={row['disks']:.0f} seed=1 {set_by}"
         lines += [f"  {row['kind']}: not reached; the nearest is off by {100 * row['error']:.1f} %, {row['seconds']:.3g} s a run"
+                  + ", but finer settings do not confirm it" * (abs(row["error"]) <= accuracy)
                   for row in cheapest if row and row not in best] + ([run] if best else [])
     return lines
 

@@ -3,7 +3,7 @@ import numpy as np
 import pandas
 
 from analysis import flow_costs
-from analysis.flow_costs import (COARSE, COARSER, DEFAULT, FEW, FINE, FINEST, IMPLICIT, KINDS, LIGHT, MD, MIDDLE, PROPOSED, QUANTITY, RIGID, SMALL,
+from analysis.flow_costs import (COARSE, COARSER, DEFAULT, FEW, FINE, FINEST, IMPLICIT, KINDS, LIGHT, MD, MIDDLE, PROPOSED, QUANTITY, SMALL,
                                  SPRINGS, STIFF, STRICT, WORDS, draw, rows_of, summarize)
 
 __all__ = ["draw", "summarize"]
@@ -26,10 +26,8 @@ ROWS = {"quick": rows_of("filling", SMALL, [FINE, FINE | {"fixed_iterations": 10
                  for row in rows_of(scene, SMALL, COMPARED + (OTHERS if seed <= PART_OF_THEM * SEEDS[scene] else []), seed)]
         + [row for scene in QUANTITY for row in rows_of(scene, SMALL, [STRICT], (1, 2))]
         # Where springs of MD do not tend to the rigid answer: do springs in Contact Dynamics tend to theirs as the step falls?
-        + [row for scene in ("filling", "collapse") for row in rows_of(scene, SMALL, [IMPLICIT | {"kn": 2e7, "beta_n": 0.2, "cd_dt": 5e-5}], range(1, 9))]}
-
-
-NAMES = {RIGID: "rigid contacts solved to a tolerance", FEW: "a given number of sweeps", SPRINGS: "springs in Contact Dynamics", MD: "springs of MD"}
+        + [row for scene in ("filling", "collapse")
+           for row in rows_of(scene, SMALL, [IMPLICIT | {"kn": 2e7, "beta_n": 0.2, "cd_dt": 5e-5}], range(1, 9))]}
 
 
 def settings(row):
@@ -50,8 +48,8 @@ def quantities(table):
     rows = table.to_dict("records")
     counts = {kind: [scene for scene in QUANTITY if flow_costs.reaching(rows, scene, SMALL, kind)] for kind in KINDS}
     best = {kind: {scene: flow_costs.cheapest(rows, scene, SMALL, kind) for scene in QUANTITY} for kind in KINDS}
-    gain = {kind: flow_costs.gains(rows, SMALL, kind) for kind in (RIGID, FEW, SPRINGS)}
-    drawn = {kind: flow_costs.spread(flow_costs.drawn_gains(rows, SMALL, kind)) for kind in (RIGID, FEW)}
+    gain = flow_costs.gains(rows, SMALL, FEW)
+    least, middle = flow_costs.spread(flow_costs.drawn_gains(rows, SMALL, FEW))[:2]
     fine, coarser, coarse, proposed, strict, default = (
         flow_costs.of_setting(table, setting) for setting in (FINE, COARSER, COARSE, PROPOSED, STRICT, DEFAULT))
     corrected = flow_costs.of_setting(table, COARSE, 0.1)
@@ -61,7 +59,7 @@ def quantities(table):
     own = table[table.kind == SPRINGS].set_index(["step", "setting", "beta_n", "scene"]).sort_index()
     implicit, finer = (own.loc[step, 2e7, LIGHT["beta_n"]] for step in (IMPLICIT["cd_dt"], 5e-5))
     few = {sweeps: table[(table.kind == FEW) & (table.setting == sweeps)].set_index("scene") for sweeps in (2, 5, 10, 20)}
-    gained = [gain[FEW][scene] for scene in counts[MD]]  # where springs of MD give the mean
+    gained = {scene: gain[scene] for scene in counts[FEW] if scene in counts[MD]}
+    assert list(gained) == ["hopper", "filling"] and counts[MD] == ["hopper", "drum", "filling"]
     cheapest_md = pandas.Series({scene: row["seconds"] for scene, row in best[MD].items()})
-    return locals() | {"QUANTITY": QUANTITY, "WORDS": WORDS, "KINDS": KINDS, "NAMES": NAMES, "FEW": FEW, "MD": MD, "RIGID": RIGID, "settings": settings,
-                       "median": median}
+    return locals() | {"QUANTITY": QUANTITY, "WORDS": WORDS, "KINDS": KINDS, "settings": settings, "median": median}

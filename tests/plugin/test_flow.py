@@ -6,8 +6,8 @@ TOLERANCE = 1e-3
 
 
 def test_momentum_halves_the_sweeps(O, tmp_path):
-    """Momentum that never pauses keeps errors of single contacts alive, and took more sweeps than none. In cycles it takes a third: of eight to twelve
-    steps of a silo of 2000 disks, a hopper, a collapse and a filling 0.28 to 0.31."""
+    """Momentum that never pauses keeps errors of single contacts alive, and took more sweeps than none. In cycles it takes a third: of eight to
+    twelve steps of a silo of 2000 disks, a hopper, a collapse and a filling 0.28 to 0.31."""
     run.start(scene="hopper", disks=1000, seed=1)
     sweeps = {"accelerated": 0, "nsgs": 0}
     engine = next(e for e in O.engines if type(e).__name__ == "ContactDynamics")

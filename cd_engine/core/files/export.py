@@ -38,4 +38,5 @@ def _in_space(inverse_masses, free_velocities, pairs, normals, distances, bias, 
     p = np.column_stack([p[:, 0], np.einsum("nj,nkj->nk", p[:, 1:], axes[:, 1:])])
     slip = np.einsum("nj,nkj->nk", slip_bias.reshape(-1, 3), axes[:, 1:])
     compliances = compliances.reshape(-1, 2)
-    return SpaceBodyProblem(inverse[:, :3], inverse[:, 3:, None] * np.eye(3), velocities, pairs, normals, arms, bias, mu, compliances, slip, p.ravel())
+    return SpaceBodyProblem(inverse[:, :3], inverse[:, 3:, None] * np.eye(3), velocities, pairs, normals, arms, bias, mu, compliances, slip,
+                            p.ravel())

@@ -2,13 +2,13 @@
 
     yade -n -x yade_scripts/measuring/in_yade.py benchmark.flow '{"scene": "drum", "disks": 2000, "springs": false, "tolerance": 1e-3, "steps": 300}'
 
-Steps of 1 ms, one thread. The flow begins with BEGIN steps to 1e-3. Then as many steps are counted as are timed, in one run of their own each, so
-that nothing is recorded while time is measured; times are processor times of a long run less that of a short one. tolerance 0: FIXED sweeps a step,
-and MORE sweeps a step beside them, which tell what a sweep costs and so what a step costs beside its sweeps.
-    Springs are as stiff as k_n h^2 W_nn = STIFF for two disks of mean mass, where a step is easier than with rigid contacts. The engine solves their
-steps to its own tolerance for springs, which has another meaning.
-    EXPORTED problems are written while steps are counted, and solved from their first guess to the tolerance of the row: `errors` are computed anew
-from the impulses (core.residual). The sweeps of springs are those of these problems.
+Steps of 1 ms, one thread. The first BEGIN steps let the flow start and are not measured. `steps` steps follow whose sweeps are counted, then as many
+that are timed, so that nothing is recorded while time is measured. A time is the processor time of a long run less that of a run of one step.
+    With tolerance 0 every step has FIXED sweeps. The same with MORE sweeps tells what a sweep costs, and so what a step costs beside its sweeps.
+    Springs have the stiffness k_n for which k_n h^2 W_nn = STIFF between two disks of mean mass. The engine solves their steps to its usual tolerance
+for springs, which is relative to the change of load.
+    Some problems (EXPORTED) are written while steps are counted, and solved from their first guess to the tolerance of the row. The errors are those
+of their solutions, computed anew from the impulses (core.residual). The sweeps of springs are those of these problems, too.
 """
 import tempfile
 import time
@@ -19,11 +19,11 @@ from yade import O
 
 from cd_engine import core
 from yade_scripts import parameters, results, scenes
-from yade_scripts.running import bodies, hooks
+from yade_scripts.running import hooks
+from yade_scripts.theory import effective_medium
 
 STEP, BEGIN, FIXED, MORE, STIFF, EXPORTED = 1e-3, 300, 2, 22, 100.0, 20
-# What is asked, by (springs, tolerance): sweeps a step in the mean, the most sweeps of a step, ns a contact of a whole step; and of any step of
-# FIXED sweeps, ns a contact beside the sweeps.
+# By (springs, tolerance), at most: sweeps a step in the mean, sweeps of one step, ns a contact for a whole step or for what is beside its sweeps.
 GOALS = {(False, 1e-3): {"goal_sweeps": 50}, (False, 1e-4): {"goal_most_sweeps": 3000},
          (True, 1e-3): {"goal_sweeps": 30, "goal_ns_a_contact": 800}, (True, 1e-4): {"goal_sweeps": 60}, (False, 0.0): {"goal_ns_beside_sweeps": 120}}
 
@@ -57,8 +57,8 @@ def begin(scene, disks, springs):
     """Build the scene and let it flow. Return the engine."""
     row = {"scene": scene, "disks": disks, "method": "CD", "cd_dt": STEP, "tolerance": 1e-3, "max_iterations": 20000, "period": 10.0}
     if springs:
-        scenes.build(parameters.complete(row), results.FOLDER)
-        row |= {"cd_contacts": "springs", "tolerance": parameters.SPRING_TOLERANCE, "beta_n": 0.2, "kn": STIFF * bodies.mean_mass() / (2 * STEP**2)}
+        mass = effective_medium.mean_mass(parameters.complete(row))
+        row |= {"cd_contacts": "springs", "tolerance": parameters.SPRING_TOLERANCE, "beta_n": 0.2, "kn": STIFF * mass / (2 * STEP**2)}
     scenes.build(parameters.complete(row), results.FOLDER)
     engine = hooks.engine("ContactDynamics")
     engine.threads = 1
