@@ -177,7 +177,7 @@ def _check_together(full):
     if full["method"] not in scene.METHODS:
         raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since {scene.ONLY}")
     largest = full["radius_mean"] * (1 + full["radius_spread"])
-    if full["depth"] <= 2 * largest:
+    if full["depth"] <= 2 * largest and not scene.IN_SPACE:
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
                              "otherwise the spheres touch the front and back walls")
     if full["gravity"] and not scene.DEFAULTS.get("gravity"):
@@ -269,9 +269,21 @@ def damping(full):
     return full["beta_n"] * (full["damping_factor"] if full["method"] == "MD" else 1)
 
 
+def in_space(full):
+    """Return whether the grains are spheres that move in space."""
+    return scenes.module(full["scene"]).IN_SPACE
+
+
 def pressure(full):
-    """Return P0 [Pa]."""
-    return full["pressure_ratio"] * full["kn"] / full["depth"]
+    """Return P0 [Pa]: pressure_ratio kn over the depth of disks, over the mean diameter of spheres."""
+    return full["pressure_ratio"] * full["kn"] / (2 * full["radius_mean"] if in_space(full) else full["depth"])
+
+
+def volume(full):
+    """Return the volume [m^3] of the grains, as if all had the mean radius."""
+    if in_space(full):
+        return full["disks"] * 4 / 3 * math.pi * full["radius_mean"]**3
+    return full["disks"] * math.pi * full["radius_mean"]**2 * full["depth"]
 
 
 def highest_load(full):

@@ -2,7 +2,7 @@
 
     yade -n -x yade_scripts/preparing/prepare.py seed=3 disks=400
 
-YADE's TriaxialStressController compacts a gas of disks on a grid, in 2D with springs and dashpots (paper, section 3: "This first stage is carried
+YADE's TriaxialStressController compacts a gas of disks on a grid (of spheres, for a scene in space), in 2D with springs and dashpots (paper, section 3: "This first stage is carried
 out with the MD algorithm") and `preparation_friction`. Contacts are then stiffened by `stiffening`. Last, the packing settles with `friction` and
 `wall_friction`. MD and CD start from this file.
 """
@@ -46,7 +46,8 @@ class PreparationError(RuntimeError):
 
 def inputs(full):
     """Return all inputs that determine the saved state."""
-    return parameters.preparation(full) | {"yade_version": config.version, "recipe": RECIPE}
+    space = {"in_space": True} if parameters.in_space(full) else {}
+    return parameters.preparation(full) | space | {"yade_version": config.version, "recipe": RECIPE}
 
 
 def ensure(full, folder):
@@ -107,19 +108,26 @@ def _save(full, path):
 
 
 def gas(full):
-    """Append walls 0..5, then disks on a grid with random radii, shifts and velocities."""
+    """Append walls 0..5, then disks or spheres on a grid with random radii, shifts and velocities."""
     draw = random.Random(full["seed"])
+    space = parameters.in_space(full)
+    axes = 3 if space else 2
     low, high = (full["radius_mean"] * (1 + sign * full["radius_spread"]) for sign in (-1, 1))
     bodies.append_material("wall", 0.0, full)
     bodies.append_material("disk", full["preparation_friction"], full)
-    columns, cell = math.ceil(math.sqrt(full["disks"])), 2.2 * high
-    walls.append((columns * cell, columns * cell), full["depth"], "wall")
+    columns, cell = math.ceil(full["disks"]**(1 / axes) - 1e-9), 2.2 * high
+    side = columns * cell
+    walls.append((side, side), side if space else full["depth"], "wall")
     speed = 0.2 * math.sqrt(parameters.pressure(full) / full["density"])
     for k in range(full["disks"]):
         radius = draw.uniform(low, high)
-        place = [(n + 0.5) * cell + draw.uniform(-1, 1) * (cell / 2 - radius) for n in divmod(k, columns)]
-        velocity = draw.uniform(-speed, speed), draw.uniform(-speed, speed)
-        bodies.append_disk(place, radius, bodies.disk_mass(radius, full), "disk", velocity)
+        numbers = divmod(k, columns) if axes == 2 else (*divmod(k // columns, columns), k % columns)
+        place = [(n + 0.5) * cell + draw.uniform(-1, 1) * (cell / 2 - radius) for n in numbers]
+        velocity = [draw.uniform(-speed, speed) for _ in range(axes)]
+        if space:
+            bodies.append_sphere((*place[:2], place[2] - side / 2), radius, "disk", velocity)
+        else:
+            bodies.append_disk(place, radius, bodies.disk_mass(radius, full), "disk", velocity)
 
 
 class _Rest:
@@ -153,7 +161,7 @@ def _relax(full, stiffness, stress_error, unbalanced, damping):
     p0 = parameters.pressure(full)
     O.dt = 0.2 * math.sqrt(min(b.state.mass for b in bodies.disks()) / stiffness)
     # A tenth of sqrt(P0/rho): compaction without inertia (inertial number 0.01 for 400 disks).
-    controller = walls.servo((p0, p0), full["beta_n"], bodies.mean_mass(), stiffness, 0.1 * math.sqrt(p0 / full["density"]))
+    controller = walls.servo((p0, p0, p0), full["beta_n"], bodies.mean_mass(), stiffness, 0.1 * math.sqrt(p0 / full["density"]))
     rest = _Rest(p0, stress_error, unbalanced)
     O.engines = md.contact_engines(full | {"kn": stiffness, "stiffening": 1.0}) + [
         hooks.runner(rest.check, iterPeriod=CHECK_EVERY), controller, md.integrator(full, damping)]

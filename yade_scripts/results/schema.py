@@ -5,7 +5,8 @@ The recorder writes according to these tables and the reader checks against them
 one instant. A finished run may also hold `/known/<name>`, a measured number with the attributes of KNOWN, and `/extra/<name>`, arrays that
 only its scene has, with `unit` and `doc`.
 
-Conventions: axis 1 is x and axis 2 is y. Stress is compression positive and measured on the walls. Strain is extension positive. Equations
+Conventions: axis 1 is x and axis 2 is y; of spheres, which are loaded along z, too, what is said of axis 1 is the mean of x and z, vectors have three
+columns, and tangential forces and rotations are vectors. Stress is compression positive and measured on the walls. Strain is extension positive. Equations
 are those of Garcia-Rojo, McNamara and Herrmann (2004).
 """
 from dataclasses import dataclass
@@ -62,7 +63,7 @@ HISTORY = _table(
     Field("unconverged_steps", "1", "steps beyond the tolerance since the start", methods=("CD",)),
 )
 
-# Arrays with a row for each disk, the contact fields with one for each contact; the box has four numbers.
+# Arrays with a row for each disk, the contact fields with one for each contact; the box has four numbers, around spheres six.
 SNAPSHOT = _table(
     Field("position", "m", "centres of the disks"),
     Field("angle", "rad", "orientation of each disk, from -pi to pi; a packing keeps that of its preparation"),

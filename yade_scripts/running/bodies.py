@@ -18,6 +18,13 @@ def disk_mass(radius, full):
     return full["density"] * math.pi * radius**2 * full["depth"]
 
 
+def append_sphere(position, radius, material, velocity=(0, 0, 0)):
+    """Append a sphere at (x, y, z) [m], of the density of its material, free in space. Return its id."""
+    body = utils.sphere(position, radius, material=material, color=(0.7, 0.7, 0.6))
+    body.state.vel = velocity
+    return O.bodies.append(body)
+
+
 def append_disk(position, radius, mass, material, velocity=(0, 0), blocked="zXY"):
     """Append a disk at (x, y) [m] of `mass` [kg] and inertia m R^2/2, free in the plane unless `blocked` is set. Return its id."""
     body = utils.sphere((*position, 0), radius, material=material, color=(0.7, 0.7, 0.6))  # YADE's default colour is random
@@ -29,7 +36,7 @@ def append_disk(position, radius, mass, material, velocity=(0, 0), blocked="zXY"
 
 
 def disks():
-    """Return the bodies that are disks, in the order of their ids."""
+    """Return the bodies that are disks or spheres, in the order of their ids."""
     return [b for b in O.bodies if isinstance(b.shape, Sphere)]
 
 
@@ -47,9 +54,9 @@ def centre_of_mass(ids):
 
 
 def solid_fraction():
-    """Return the area of the disks over the area of the box."""
-    length_x, length_y = walls.sides()
-    return total(math.pi * b.shape.radius**2 for b in disks()) / (length_x * length_y)
+    """Return the area of the disks over the area of the box, or the volume of spheres over its volume."""
+    size = (lambda radius: 4 / 3 * math.pi * radius**3) if walls.in_space() else (lambda radius: math.pi * radius**2)
+    return total(size(b.shape.radius) for b in disks()) / math.prod(walls.sides())
 
 
 def contacts_per_disk():

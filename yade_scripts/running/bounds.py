@@ -12,7 +12,7 @@ from yade_scripts.results.schema import MAY_BE_UNDEFINED, OF_A_BOX
 
 # Error e at which the contact forces are wrong by their own size. A fixed number of sweeps promises no error (published: 0.17).
 RESIDUAL = 1.0
-# The next two limits are in units of P0 times the disks' area times depth. They apply to loaded boxes only, where all work is known.
+# The next two limits are in units of P0 times the volume of the grains. They apply to loaded boxes only, where all work is known.
 # CD: work of the walls = dissipated + kinetic energy, an identity of the scheme, true to 3e-11 in the published runs.
 BALANCE = 1e-9
 # MD: the work of the walls that is neither stored nor kinetic has been dissipated and cannot be negative (published: -2e-9, round-off and an averaged
@@ -31,8 +31,7 @@ class Bounds:
         self.full, self.loaded = full, loaded
         self.held = None  # kinetic and stored energy [J] at the first sample
         self.seen = 0  # step of the last sample
-        area = full["disks"] * math.pi * full["radius_mean"]**2
-        self.scale = parameters.pressure(full) * area * full["depth"]
+        self.scale = parameters.pressure(full) * parameters.volume(full)
 
     def look(self, row, step):
         """Raise OutOfBounds or Unstable where the run has to end; row: all that a sample measures."""
@@ -51,7 +50,7 @@ class Bounds:
 
     def _energies(self, row, where):
         """Check that energy is neither created nor lost."""
-        held, unit = row["kinetic_energy"] + row["stored_energy"], f"{self.scale:.3g} J (P0 times the disks' area and depth)"
+        held, unit = row["kinetic_energy"] + row["stored_energy"], f"{self.scale:.3g} J (P0 times the volume of the grains)"
         if self.held is None:
             self.held = held
         gone = row["wall_work"] - (held - self.held)

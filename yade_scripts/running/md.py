@@ -78,7 +78,7 @@ def set_engines(full, scene, load=None):
     if load is None:
         loading = [observer]
     elif full["md_walls"] == "servo":
-        goal = [-goal for goal in load["goals"][:2]]
+        goal = [-goal for goal in load["goals"]]
         controller = walls.servo(goal, damping(full), bodies.mean_mass(), parameters.stiffness(full), max_velocity=1.0)
         scene.load = walls.ServoLoad(controller)
         # A divisor, so that the work of the walls is up to date at every sample.

@@ -25,24 +25,33 @@ def stored_energy(loaded=False):
     return float(np.sum(springs[:, 0] * springs[:, 1]**2 + springs[:, 3]**2 / springs[:, 2]) / 2)
 
 
-def _plane(vectors):
-    """Return the x and y of vectors, as rows."""
-    return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
+def _rows(vectors, axes):
+    """Return the first `axes` numbers of vectors, as rows."""
+    return np.array([tuple(v)[:axes] for v in vectors]).reshape(-1, axes)
+
+
+def _rotation(state):
+    """Return a rotation as a vector: axis times angle."""
+    axis, angle = state.ori.toAxisAngle()
+    return axis * angle
 
 
 def snapshot(boxed):
-    """Return all arrays of schema.SNAPSHOT, by name; boxed: whether the six walls of the biaxial box are there."""
+    """Return all arrays of schema.SNAPSHOT, by name; boxed: whether the six walls of the biaxial or triaxial box are there."""
     disks, contacts = bodies.disks(), bodies.contacts_by_id()
+    space = boxed and walls.in_space()
+    axes = 3 if space else 2
     return {
-        "position": _plane(b.state.pos for b in disks),
-        "angle": np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in disks]),
+        "position": _rows((b.state.pos for b in disks), axes),
+        "angle": (_rows((_rotation(b.state) for b in disks), 3) if space
+                  else np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in disks])),
         "radius": np.array([b.shape.radius for b in disks]),
         "body_ids": np.array([b.id for b in disks]),
         "contact_ids": np.array([(i.id1, i.id2) for i in contacts], int).reshape(-1, 2),
-        "contact_point": _plane(i.geom.contactPoint for i in contacts),
-        "contact_normal": _plane(i.geom.normal for i in contacts),
+        "contact_point": _rows((i.geom.contactPoint for i in contacts), axes),
+        "contact_normal": _rows((i.geom.normal for i in contacts), axes),
         "contact_friction": np.array([i.phys.tangensOfFrictionAngle for i in contacts]),
         "force_normal": np.array([i.phys.normalForce.dot(i.geom.normal) for i in contacts]),
-        "force_tangential": np.array([bodies.tangential_force(i) for i in contacts]),
+        "force_tangential": _rows((i.phys.shearForce for i in contacts), 3) if space else np.array([bodies.tangential_force(i) for i in contacts]),
         "box": np.array(walls.faces() if boxed else [math.nan] * 4),
     }

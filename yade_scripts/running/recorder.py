@@ -146,10 +146,11 @@ class Recorder:
         sides = walls.sides()
         if self.first_sides is None:
             self.first_sides = sides
-        strain = [length / first - 1 for length, first in zip(sides, self.first_sides)]
-        sigma, goal = walls.mean_stresses(), self.scene.load.goal
-        return {"sigma1": sigma[0], "sigma2": sigma[1], "sigma1_goal": goal[0], "sigma2_goal": goal[1], "strain1": strain[0],
-                "strain2": strain[1], "gamma": strain[1] - strain[0], "wall_work": self.scene.load.work()}
+        along, across = walls.along_and_across([length / first - 1 for length, first in zip(sides, self.first_sides)])
+        sigma2, sigma1 = walls.along_and_across(walls.mean_stresses())
+        goal = self.scene.load.goal
+        return {"sigma1": sigma1, "sigma2": sigma2, "sigma1_goal": goal[0], "sigma2_goal": goal[1], "strain1": across, "strain2": along,
+                "gamma": along - across, "wall_work": self.scene.load.work()}
 
     def _md(self, row):
         """Return MD's energies. If the friction is not summed, the dissipated energy is computed from the energy balance."""

@@ -1,7 +1,8 @@
-"""The box of the biaxial test: six walls around the sample, moved by a servo or pushed by forces (Hambly's principle, the paper's Fig. 2).
+"""The box of the biaxial and the triaxial test: six walls around the sample, moved by a servo or pushed by forces (Hambly's principle, the paper's
+Fig. 2).
 
-Direction 1 is x, 2 is y (paper, section 2.1). Walls have thickness 0, so that a wall's position is its inner face. Stresses [Pa]
-are positive in compression: a wall force over the wall's area (other side times depth).
+Direction 1 is x, 2 is y (paper, section 2.1), and 3 is z, which only spheres load. Walls have thickness 0, so that a wall's position is its inner
+face. Stresses [Pa] are positive in compression: a wall force over the wall's area (other side times depth).
 """
 from yade import O, utils
 from yade.wrapper import TriaxialStressController
@@ -10,8 +11,19 @@ from yade_scripts.running import hooks
 from yade_scripts.running.sums import total
 
 X_LOW, X_HIGH, Y_LOW, Y_HIGH, Z_LOW, Z_HIGH = range(6)
-# (axis, low wall, high wall) of the two loaded directions.
-DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH))
+# (axis, low wall, high wall)
+DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH), (2, Z_LOW, Z_HIGH))
+FIRST_GRAIN = 6
+
+
+def in_space():
+    """Return whether the grains in the box are spheres that move in space, not disks."""
+    return "z" not in O.bodies[FIRST_GRAIN].state.blockedDOFs
+
+
+def directions():
+    """Return those of DIRECTIONS that are loaded: two for disks, three for spheres."""
+    return DIRECTIONS if in_space() else DIRECTIONS[:2]
 
 
 def append(sides, depth, material):
@@ -22,20 +34,26 @@ def append(sides, depth, material):
 
 
 def faces():
-    """Return the inner faces [m] of x-, x+, y-, y+."""
-    return [O.bodies[wall].state.pos[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
+    """Return the inner faces [m] of x-, x+, y-, y+ and, around spheres, z-, z+."""
+    return [O.bodies[wall].state.pos[axis] for axis, low, high in directions() for wall in (low, high)]
 
 
 def sides():
-    """Return (L_x, L_y) [m] between the inner faces."""
-    left, right, bottom, top = faces()
-    return right - left, top - bottom
+    """Return (L_x, L_y) [m] between the inner faces, and L_z around spheres."""
+    places = faces()
+    return tuple(high - low for low, high in zip(places[::2], places[1::2]))
+
+
+def along_and_across(values):
+    """Return the value of direction 2, and that of direction 1 or, of three values, the mean of directions 1 and 3."""
+    one, two, *three = values
+    return two, (one + three[0]) / 2 if three else one
 
 
 def gamma(first):
-    """Return strain2 - strain1 since the sides were `first`."""
-    x, y = (now / before for now, before in zip(sides(), first))
-    return y - x
+    """Return strain2 - strain1 since the sides were `first`; around spheres strain1 is the mean of both directions across."""
+    along, across = along_and_across([now / before for now, before in zip(sides(), first)])
+    return along - across
 
 
 def depth():
@@ -44,19 +62,19 @@ def depth():
 
 
 def areas():
-    """Return the areas [m^2] on which sigma1 and sigma2 act."""
-    length_x, length_y = sides()
-    return length_y * depth(), length_x * depth()
+    """Return the areas [m^2] on which sigma1 and sigma2 act, and that of sigma3 around spheres."""
+    x, y, z = *sides()[:2], depth()
+    return (y * z, x * z, x * y)[:len(directions())]
 
 
 def stresses():
-    """Return ((x-, x+), (y-, y+)): stress [Pa] on each loaded wall, from the normal forces of its contacts."""
+    """Return ((x-, x+), (y-, y+)), of spheres also (z-, z+): stress [Pa] on each loaded wall, from the normal forces of its contacts."""
     return tuple(tuple(abs(total(i.phys.normalForce[axis] for i in O.bodies[wall].intrs() if i.isReal)) / area for wall in (low, high))
-                 for (axis, low, high), area in zip(DIRECTIONS, areas()))
+                 for (axis, low, high), area in zip(directions(), areas()))
 
 
 def mean_stresses():
-    """Return (sigma1, sigma2) [Pa]: means over opposite walls, whose stresses differ by the inertia of the disks."""
+    """Return (sigma1, sigma2) [Pa], of spheres also sigma3: means over opposite walls, whose stresses differ by the inertia of the disks."""
     return tuple(sum(pair) / 2 for pair in stresses())
 
 
@@ -66,29 +84,29 @@ def stress_error(p0):
 
 
 def servo(goal, damping_ratio, mass, kn, max_velocity):
-    """Return YADE's TriaxialStressController in 2D, which holds (sigma1, sigma2) = goal [Pa].
+    """Return YADE's TriaxialStressController, which holds (sigma1, sigma2) = goal [Pa], in 2D around disks, with sigma3 around spheres.
 
     In each step it moves a wall by the stress error over the wall's stiffness. It does not know that dashpots of ratio beta act as a further
     stiffness of 2 beta tau/dt (tau = sqrt(m/k_n)), which raises its gain. Measured: at a gain of 2.1 the walls reverse their motion for ever at their
     largest velocity, without visible strain; up to 1.4 they are stable. stressDamping limits the gain to 1 here.
     """
     loop_gain = 2 * damping_ratio * (mass / kn)**0.5 / O.dt
-    length_x, length_y = sides()
+    space, (length_x, length_y) = in_space(), sides()[:2]
     return TriaxialStressController(
-        stressMask=3, goal1=-goal[0], goal2=-goal[1], goal3=0, internalCompaction=False, thickness=0, wall_front_activated=False,
-        wall_back_activated=False, width0=length_x, height0=length_y, depth0=depth(),
+        stressMask=7 if space else 3, goal1=-goal[0], goal2=-goal[1], goal3=-goal[2] if space else 0, internalCompaction=False, thickness=0,
+        wall_front_activated=space, wall_back_activated=space, width0=length_x, height0=length_y, depth0=depth(),
         stressDamping=max(0.25, 1 - 1 / max(loop_gain, 1e-9)), max_vel=max_velocity,
         # YADE does not save the wall stiffness with the scene. Computed anew at every step, it is right after a reload, too.
         stiffnessUpdateInterval=1, computeStressStrainInterval=1)
 
 
 def set_free(mass):
-    """Let x+ and y+ move along their normals with `mass` [kg]; the walls opposite stay."""
-    for wall, blocked in ((X_HIGH, "yzXYZ"), (Y_HIGH, "xzXYZ")):
+    """Let x+, y+ and, around spheres, z+ move along their normals with `mass` [kg]; the walls opposite stay."""
+    for axis, _, wall in directions():
         state = O.bodies[wall].state
         state.mass = mass
         state.inertia = (mass, mass, mass)  # never used: rotations are blocked
-        state.blockedDOFs = blocked
+        state.blockedDOFs = "xyzXYZ".replace("xyz"[axis], "")
 
 
 class Load:
@@ -103,8 +121,8 @@ class Load:
     def work(self):
         """Return the work so far [J], of the forces on the sample and the mass of the walls."""
         engine = hooks.engine("PlateLoads")
-        # The last two of six plates are those before and behind the sample.
-        now = total(force * (face - before) for force, face, before in zip(engine._pushes[:4], faces(), engine._faces))
+        # Of disks the last two of six plates, those before and behind the sample, have no load.
+        now = total(force * (face - before) for force, face, before in zip(engine._pushes, faces(), engine._faces))
         return engine.work + now
 
 
@@ -113,11 +131,11 @@ class ServoLoad(Load):
 
     def __init__(self, controller):
         self.controller = controller
-        self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * 4
+        self._sum, self._positions, self._forces = 0.0, faces(), [0.0] * len(faces())
 
     def apply(self):
         """Apply the load of now, and add the work since the last call."""
-        self.controller.goal1, self.controller.goal2 = (-goal for goal in self.goal)
+        self.controller.goal1, self.controller.goal2 = (-goal for goal in self.goal)  # sigma3 stays as it is
         forces = self._now()
         self._sum += self._work(forces)
         self._positions, self._forces = faces(), forces
@@ -133,4 +151,4 @@ class ServoLoad(Load):
 
     def _now(self):
         """Return the forces [N] of the walls on the disks."""
-        return [-O.forces.f(wall)[axis] for axis, low, high in DIRECTIONS for wall in (low, high)]
+        return [-O.forces.f(wall)[axis] for axis, low, high in directions() for wall in (low, high)]

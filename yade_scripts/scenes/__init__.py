@@ -12,6 +12,7 @@ and may declare
     METHODS     ("MD",) or ("CD",), if only one of them can run it; then also
     ONLY        why: a clause that ends the sentence 'the scene runs by CD only, since'
     PARAMETERS  the parameters that only this scene has, a tuple of parameter.Parameter
+    IN_SPACE    True if its grains are spheres that move in space
     POSITIVE    names of general parameters that must be above 0
     CHART       Chart: what the charts of speed against accuracy vary; only if an exact value is known
     check(full)             raises ParameterError if values of parameters do not fit together
@@ -100,7 +101,7 @@ def names():
 def module(name):
     """Return the module of a scene, with defaults for what it does not declare. Raise ParameterError if it lacks what it has to declare."""
     file = declared.load(__name__, name, ("TITLE", "KIND", "HORIZON", "LEFT_OUT", "DEFAULTS", "build"),
-                         {"METHODS": ("MD", "CD"), "ONLY": "its METHODS say so", "PARAMETERS": (), "POSITIVE": (), "CHART": None,
+                         {"METHODS": ("MD", "CD"), "ONLY": "its METHODS say so", "PARAMETERS": (), "POSITIVE": (), "IN_SPACE": False, "CHART": None,
                           "check": lambda full: None})
     if wrong := [one for one in ("METHODS", "PARAMETERS", "POSITIVE") if not isinstance(vars(file)[one], (tuple, list))]:
         raise ParameterError(f"{file.__file__}: {' and '.join(wrong)} must be a tuple; one with a single element ends with a comma: (element,)")

@@ -1,0 +1,98 @@
+"""The paper's experiment with spheres in space: one cycle (Fig. 4) and a rising load (Fig. 5) by three methods, and the static limit of the packings."""
+import numpy as np
+
+from analysis import loops, observables, style, summary
+from analysis.studies.implicit import COLOUR, MARKER, MD, RIGID, SPRINGS, kind
+from analysis.style import plt
+from yade_scripts.errors import ResultError
+from yade_scripts.tables import product
+from yade_scripts.theory import cone_limits
+
+TITLE = "Is it the same for spheres in space?"
+QUESTION = ("Triaxial test of spheres: sigma2 rises while sigma1 = sigma3 = P0; MD's springs, the same springs in Contact Dynamics, and rigid contacts, "
+            "from the same packings.")
+ORDER = 5.5  # in the report
+SPACE = dict(scene="triaxial")
+METHODS = (dict(method="MD", md_walls="force"), dict(method="CD", cd_contacts="springs"), dict(method="CD"))
+CYCLE = SPACE | dict(loading="cosine", delta_sigma=0.2)
+RAMP = SPACE | dict(loading="ramp", cycles=9, records_per_cycle=20)
+LARGE, SMALL = dict(disks=2000), dict(disks=500)
+SLOWER = dict(ramp_rate=0.35, cycles=15)  # half as fast
+ROWS = {"quick": [row for method in METHODS for row in (CYCLE | dict(disks=200) | method, RAMP | dict(disks=200, ramp_rate=2.0, cycles=4) | method)],
+        "full": [row for method in METHODS for row in product(**CYCLE | LARGE | method, seed=range(1, 4))]
+        + [row for method in METHODS for row in product(**RAMP | SMALL | method, seed=range(1, 6))]
+        + product(**RAMP | SMALL | METHODS[2] | SLOWER, seed=range(1, 6))
+        + [RAMP | LARGE | method | dict(seed=1) for method in METHODS]}
+THRESHOLDS = (1e-4, 1e-3, 1e-2, 1e-1)  # of |gamma|
+_limits = {}  # of the packings: a minute and more each
+
+
+def static_limit(run):
+    """Return the largest sigma2/P0 that the contacts at the start can carry, the middle of its bounds; NaN if there is none."""
+    packing = run.snapshots[0]
+    key = packing["contact_point"].tobytes()
+    if key not in _limits:
+        try:
+            _limits[key] = np.mean(cone_limits.limit_load(packing, run.pressure))
+        except ResultError:
+            _limits[key] = np.nan
+    return _limits[key]
+
+
+def over(threshold):
+    return f"over the limit at |gamma| = {threshold:g}"
+
+
+@summary.each
+def summarize(run):
+    """Return the row of a run: of a cycle its loop, of a ramp sigma2 over the static limit where |gamma| passes a threshold."""
+    row, ramp = run.parameters, run.parameters["loading"] == "ramp"
+    found = {"experiment": "ramp" if ramp else "cycle", "medium": kind(run), "spheres": row["disks"], "packing": row["seed"],
+             "ramp_rate": row["ramp_rate"] if ramp else np.nan}
+    if ramp:
+        limit = static_limit(run)
+        found |= {"static limit": limit} | {over(threshold): observables.critical_load(run, threshold) / limit for threshold in THRESHOLDS}
+    else:
+        found |= loops.of(run)
+    return found | {"contacts a sphere": 2 * run.values("contacts")[0] / row["disks"], "seconds": float(run.values("processor_time")[-1]),
+                    **summary.columns(run, "unsolved steps", "outcome")}
+
+
+def draw(runs, rows, path):
+    """Draw the loop of one packing, its ramp, and the loads at which all packings pass a strain, over their limits."""
+    fig, (cycle, ramp, loads) = plt.subplots(1, 3, figsize=(12, 4))
+    largest = max(run.parameters["disks"] for run in runs)
+    for run in runs:
+        row, look = run.parameters, dict(color=COLOUR[kind(run)], lw=1.6)
+        if row["seed"] != 1 or row["disks"] != largest:
+            continue
+        if row["loading"] == "ramp":
+            ramp.plot(observables.load(run), np.abs(run.values("gamma")), label=kind(run), **look)
+            limit = static_limit(run)
+        else:
+            cycle.plot(-run.values("gamma") * 1e4, observables.load(run), **look)
+    ramp.axvline(limit, color="k", lw=0.8, ls=":", label="static limit")
+    cycle.set(xlabel=r"strain $-\gamma$  [$10^{-4}$]", ylabel=r"stress $\sigma_2/P_0$", title="one cycle")
+    ramp.set(yscale="log", ylim=(1e-6, 0.3), xlabel=r"stress $\sigma_2/P_0$", ylabel=r"strain $|\gamma|$", title="rising load")
+    ramp.legend()
+    for row in rows:
+        if row["experiment"] == "ramp":
+            shift = {MD: -0.15, SPRINGS: 0.0, RIGID: 0.15}[row["medium"]]
+            loads.plot(np.arange(len(THRESHOLDS)) + shift, [row[over(threshold)] for threshold in THRESHOLDS], ls="", marker=MARKER[row["medium"]],
+                       color=COLOUR[row["medium"]], ms=6 if row["spheres"] == largest else 4, mfc=None if row["spheres"] == largest else "none")
+    loads.axhline(1, color="k", lw=0.8, ls=":")
+    loads.set_xticks(range(len(THRESHOLDS)), [f"{threshold:g}" for threshold in THRESHOLDS])
+    loads.set(xlabel=r"strain $|\gamma|$ that is passed", ylabel=r"$\sigma_2/P_0$ over its static limit", title="all packings")
+    style.finish(fig, path, f"Left and middle: one packing of {largest} spheres. Right: a point a packing, filled: {largest} spheres, open: smaller ones; "
+                 "rigid contacts also under a ramp half as fast.", runs)
+
+
+def quantities(table):
+    cycle, ramp = (table[table.experiment == which] for which in ("cycle", "ramp"))
+    loop = {medium: own.set_index("packing") for medium, own in cycle.groupby("medium")}
+    usual = ramp[ramp.ramp_rate == 0.7].set_index(["spheres", "packing"])
+    passed = {medium: usual[usual.medium == medium] for medium in (MD, SPRINGS, RIGID)}
+    slower = ramp[ramp.ramp_rate < 0.7].set_index(["spheres", "packing"])
+    pace = slower[over(1e-4)] / passed[RIGID][over(1e-4)].loc[slower.index]
+    first, later, md, springs, rigid = over(1e-4), over(1e-2), MD, SPRINGS, RIGID
+    return locals()
