@@ -63,7 +63,7 @@ def draw(runs, rows, path):
     fig, (cycle, ramp, loads) = plt.subplots(1, 3, figsize=(12, 4))
     largest = max(run.parameters["disks"] for run in runs)
     for run in runs:
-        row, look = run.parameters, dict(color=COLOUR[kind(run)], lw=1.6)
+        row, look = run.parameters, dict(color=COLOUR[kind(run)]) | (dict(lw=4, alpha=0.5) if run.method == "MD" else dict(lw=1.4))
         if row["seed"] != 1 or row["disks"] != largest:
             continue
         if row["loading"] == "ramp":

@@ -16,7 +16,7 @@ from yade_scripts import parameters, scenes
 
 # Most of a row: the scenes with one contact are over by then or have had it, the packings have been loaded.
 STEPS = 1000
-SMALL = {"collapse": dict(disks=300, period=0.3)}
+SMALL = {"collapse": dict(disks=300, period=0.3), "triaxial": dict(disks=60)}
 # More disks than make up one group of the space order; cycles; random orders and given numbers of sweeps.
 VARIANTS = {"many disks": dict(scene="collapse", disks=2500, period=0.03), "cycles": dict(scene="biaxial", period=0.3),
             "random order": dict(scene="biaxial", solver_seed=7), "fixed": dict(scene="biaxial", fixed_iterations=50)}
