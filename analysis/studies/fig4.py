@@ -50,35 +50,41 @@ def draw(runs, rows, path):
     shown = [first[method] for method in style.WORDS if method in first]
     with plt.rc_context(LARGE):
         fig, axes = plt.subplots(1, len(shown) + 1, figsize=(3.2 * len(shown) + 5.2, 4.3), width_ratios=[3.2] * len(shown) + [5.2])
+        widest = max(shown, key=lambda run: np.abs(run.values("gamma")).max())
+        exponent = style.power_of_ten(widest.values("gamma"))
         for axis, run in zip(axes, shown):
-            _loop(axis, run)
+            _loop(axis, run, exponent)
+            axis.sharex(axes[0])
         axes[0].set_ylabel(r"stress $\sigma_2/P_0$")
         _strains(axes[-1], pandas.DataFrame(rows))
-        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded (dashed); note the scales of the strain. Right: a "
-                     "point a "
-                     "packing, large: dense, small: loose. Rigid contacts at rest show the error of the solver: two tolerances, two levels.", runs)
+        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded, in one scale. Right: a point a packing. Rigid contacts at "
+                     "rest show the error of the solver: two tolerances, two levels.", runs)
 
 
-def _loop(axis, run):
+def _loop(axis, run, exponent):
     gamma, stress, top = run.values("gamma"), run.values("sigma2") / run.pressure, int(np.argmax(observables.load(run)))
-    exponent = style.power_of_ten(gamma)
-    for part, line in ((slice(top + 1), "-"), (slice(top, None), (0, (4, 1.5)))):
-        axis.plot(-gamma[part] * 10.0**-exponent, stress[part], color=style.COLOUR[run.method], ls=line, lw=2)
+    for part, line, words in ((slice(top + 1), "-", "loading"), (slice(top, None), (0, (4, 1.5)), "unloading")):
+        axis.plot(-gamma[part] * 10.0**-exponent, stress[part], color=style.COLOUR[run.method], ls=line, lw=2, label=words)
+    if run.method == "MD":
+        axis.legend(loc="upper left")
     axis.set(title=style.WORDS[run.method], xlabel=rf"strain $-\gamma$  [$10^{{{exponent}}}$]", yticks=(1, 1.1, 1.2))
     if run.method == "CD":
-        axis.text(0.6, 0.36, "at rest: only\nthe error of\nthe solver", transform=axis.transAxes, ha="center", fontsize=11, color=style.GREY["55"])
+        axis.text(0.55, 0.4, f"no motion: the strain\nof {np.abs(gamma).max():.0e} is the\nerror of the solver", transform=axis.transAxes,
+                  ha="center", fontsize=11, color=style.GREY["55"])
 
 
 def _strains(axis, table):
     """Draw the largest strain of the cycle against the load over the limit."""
     for (method, friction), own in table[~table.md_dt_factor.isin(FINER)].groupby(["method", "preparation friction"]):
         own = own.assign(over=load_over_limit(own))
-        style.points(axis, own, "over", "largest |gamma|", method, ms=7 if friction == 0 else 4, label=style.WORDS[method] if friction == 0 else None)
+        style.points(axis, own, "over", "largest |gamma|", method, ms=7 if friction == 0 else 4,
+                     label=f"{style.WORDS[method]}, {'dense' if friction == 0 else 'loose'} packings")
     axis.axvline(1, color="k", lw=0.8, ls=":")
     axis.set(yscale="log", title="one cycle, all packings", xlabel=r"largest $\sigma_2/\sigma_1$ of the cycle over the static limit",
              ylabel=r"largest strain $|\gamma|$")
+    axis.annotate("rigid packings rest", (0.03, 0.3), xycoords="axes fraction", fontsize=11, color=style.COLOUR["CD"])
     axis.text(0.995, 0.02, "static limit ", transform=axis.get_xaxis_transform(), ha="right", fontsize=11, color=style.GREY["55"])
-    axis.legend(loc="center left")
+    axis.legend(loc="center left", bbox_to_anchor=(0, 0.56))
 
 
 def load_over_limit(table):
