@@ -69,7 +69,7 @@ def _loop(axis, run, exponent):
         axis.legend(loc="upper left")
     axis.set(title=style.WORDS[run.method], xlabel=rf"strain $-\gamma$  [$10^{{{exponent}}}$]", yticks=(1, 1.1, 1.2))
     if run.method == "CD":
-        axis.text(0.55, 0.4, f"no motion: the strain\nof {np.abs(gamma).max():.0e} is the\nerror of the solver", transform=axis.transAxes,
+        axis.text(0.55, 0.4, f"no motion: the strain\nof {np.abs(gamma).max():.0e}".replace("e-0", "e-") + " is the\nerror of the solver", transform=axis.transAxes,
                   ha="center", fontsize=11, color=style.GREY["55"])
 
 
