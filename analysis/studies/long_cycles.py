@@ -24,7 +24,7 @@ PART = {0.5: 300, 2.0: 100}  # cycles of MD by period
 ROWS = {"quick": [SOFT | dict(cd_dt=PERIODS[0] / SHARE, cycles=40, seed=1), RIGID_ROW | dict(cycles=10, seed=1), MOLECULAR | dict(cycles=10, seed=1)],
         "full": [row for period in PERIODS
                  for row in product(**SOFT | dict(period=period, cd_dt=period / SHARE, cycles=COUNT, seed=SEEDS))]
-        + product(**SOFT | SLOWEST | dict(seed=SEEDS)) + [RIGID_ROW | dict(cycles=COUNT, seed=1)] + product(**RIGID_ROW, cycles=FEWER, seed=SEEDS[1:])
+        + product(**SOFT | SLOWEST | dict(seed=SEEDS)) + product(**RIGID_ROW, cycles=FEWER, seed=SEEDS)
         + [row for period, count in PART.items() for row in product(**MOLECULAR | dict(period=period, cycles=count, seed=SEEDS))]
         + product(**MOLECULAR | dict(md_walls="servo"), cycles=PART[0.5], seed=SEEDS)}
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 300, 500, 750, 1000, 1500, 2000, 2500, 3000)  # last cycles of the windows
