@@ -2,7 +2,7 @@
 import numpy as np
 import pandas
 
-from analysis import cycles, limits, style, summary
+from analysis import cycles, limits, style
 from analysis.studies import fig3
 from analysis.studies.implicit import COLOUR, MD, RIGID, SPRINGS, kind
 from analysis.style import plt
@@ -21,12 +21,14 @@ SOFT = {name: value for name, value in fig3.LOADING.items()} | dict(method="CD",
 MOLECULAR = fig3.SPRINGS | LOAD | dict(md_dt_factor=0.6)
 RIGID_ROW = fig3.RIGID | LOAD
 PART = {0.5: 300, 2.0: 100}  # cycles of MD by period
+CHECKED = SOFT | dict(seed=2, cycles=FEWER)
+FINER, HALF = dict(cd_dt=PERIODS[0] / SHARE, tolerance=0.01), dict(cd_dt=PERIODS[0] / SHARE / 2)  # what the late rates owe to tolerance and step
 ROWS = {"quick": [SOFT | dict(cd_dt=PERIODS[0] / SHARE, cycles=40, seed=1), RIGID_ROW | dict(cycles=10, seed=1), MOLECULAR | dict(cycles=10, seed=1)],
         "full": [row for period in PERIODS
                  for row in product(**SOFT | dict(period=period, cd_dt=period / SHARE, cycles=COUNT, seed=SEEDS))]
         + product(**SOFT | SLOWEST | dict(seed=SEEDS)) + product(**RIGID_ROW, cycles=FEWER, seed=SEEDS)
         + [row for period, count in PART.items() for row in product(**MOLECULAR | dict(period=period, cycles=count, seed=SEEDS))]
-        + product(**MOLECULAR | dict(md_walls="servo"), cycles=PART[0.5], seed=SEEDS)}
+        + product(**MOLECULAR | dict(md_walls="servo"), cycles=PART[0.5], seed=SEEDS) + [CHECKED | FINER, CHECKED | HALF]}
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 300, 500, 750, 1000, 1500, 2000, 2500, 3000)  # last cycles of the windows
 
 
@@ -43,7 +45,7 @@ def summarize(runs):
     for run in runs:
         found = cycles.of(run)
         volume = ((1 + run.values("strain1")) * (1 + run.values("strain2")))[found.ends]
-        same = {"medium": medium(run), "period": run.parameters["period"], "packing": run.parameters["seed"],
+        same = {"medium": medium(run), "usual": usual_step(run.parameters), "tolerance": run.parameters["tolerance"], "period": run.parameters["period"], "packing": run.parameters["seed"],
                 "step_s": run.parameters["cd_dt"] if run.method == "CD" else np.nan, "load over limit": limits.load_over_limit(run)}
         edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
         for first, last in zip(edges[:-1], edges[1:]):
@@ -58,9 +60,67 @@ def summarize(runs):
 
 
 def draw(runs, rows, path):
-    """Draw the strain, and the strain of each cycle, against the number of the cycle."""
-    fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.9))
+    """Draw the strain against the number of the cycle for one period, and the strain a cycle for all periods."""
+    fig, (left, right) = plt.subplots(1, 2, figsize=(10, 4.2))
+    table = pandas.DataFrame(rows)
+    named = set()
     for run in runs:
+        which, row = medium(run), run.parameters
+        if row["period"] != PERIODS[0] or not usual_step(row) or which not in COLOUR:
+            continue
         found = cycles.of(run)
-        left.plot(found.number, np.abs(found.permanent), color=COLOUR[kind(run)])
-    style.finish(fig, path, "Cycles", runs)
+        look = dict(lw=3.5, alpha=0.5, zorder=3) if which == MD else dict(lw=1.4)
+        left.plot(found.number, np.abs(found.permanent), color=COLOUR[which], label=None if which in named else which, **look)
+        named.add(which)
+    usual = table[table.medium.isin(COLOUR) & table.usual]
+    for (which, period, packing), own in usual.groupby(["medium", "period", "packing"]):
+        if which == MD:
+            continue
+        middle = np.sqrt(own["from cycle"] * own["to cycle"])
+        label = (f"{which}, {period:g} s" if which == SPRINGS else which) if packing == SEEDS[0] else None
+        right.plot(middle, own.rate.abs(), color=COLOUR[which] if which == RIGID else SHADE[period], marker=".", ms=4, lw=1, label=label)
+    for axis, label in ((left, r"accumulated strain $|\gamma|$"), (right, r"strain of a cycle $|\Delta\gamma|$")):
+        axis.axvline(EVENT, color="k", lw=0.8, ls=":")
+        axis.set(xscale="log", yscale="log", xlabel="cycle", ylabel=label)
+        axis.legend(loc="center left" if axis is left else "upper right")
+    left.text(EVENT, 0.02, f"N = {EVENT} ", transform=left.get_xaxis_transform(), ha="right", fontsize=8)
+    left.set_title("cycles of 0.5 s")
+    right.set_title("means over windows of cycles")
+    style.finish(fig, path, "A line a packing. Dotted: the cycle in which the paper names a sudden compression. The strain of rigid packings, which rest, is the "
+                 "error of the solver.", runs)
+
+
+EVENT = 2700  # the paper's "N = 2700"
+SHADE = {0.5: style.GREEN, 2.0: style.BLUE, 8.0: style.PURPLE}  # of springs in Contact Dynamics, by period [s]
+STANDING = 500  # cycles after which the rates are compared
+
+
+def usual_step(row):
+    """Return whether a run has the usual step and tolerance."""
+    return row["cd_contacts"] == "rigid" or (row["tolerance"] == FINER["tolerance"] * 10 and row["cd_dt"] != HALF["cd_dt"])
+
+
+POINTS = (
+    (12, "A sudden compression is perceived N = 2700, after which the deformation rate seems to grow in each cycle.", "section 3, Fig. 5", "disagrees"),
+)
+
+
+def quantities(table):
+    soft, rigid = table[(table.medium == SPRINGS) & table.usual], table[table.medium == RIGID]
+    at = table[table.usual].set_index(["medium", "period", "packing", "to cycle"]).sort_index()
+    common = PART
+    over_md = {period: pandas.Series([at["|gamma|"][SPRINGS, period, seed, count] / at["|gamma|"][MD, period, seed, count] for seed in SEEDS])
+               for period, count in PART.items()}
+    servo = pandas.Series([at["|gamma|"][f"{MD}, servo", 0.5, seed, PART[0.5]] / at["|gamma|"][MD, 0.5, seed, PART[0.5]] for seed in SEEDS])
+    cost = pandas.Series([at.seconds[MD, 2.0, seed, 100] / at.seconds[SPRINGS, 2.0, seed, 100] for seed in SEEDS]).median()
+    late = soft[soft["from cycle"] > STANDING]
+    burst = soft[soft["from cycle"] > 20].sort_values("largest cycle").iloc[-1]
+    last = soft[soft["to cycle"] == COUNT]
+    around = soft[(soft["from cycle"] <= EVENT) & (soft["to cycle"] >= EVENT)]
+    strain = soft[soft.period.isin(PERIODS)].set_index(["period", "packing", "to cycle"])["|gamma|"]
+    share = strain.xs(STANDING, level="to cycle") / strain.xs(COUNT, level="to cycle")
+    window = table[(table.medium == SPRINGS) & (table.period == 0.5) & (table.packing == CHECKED["seed"]) & (table["to cycle"] == FEWER)]
+    plain = window[window.usual].iloc[0]
+    finer, halved = window[window.tolerance < plain.tolerance].iloc[0], window[window.step_s < plain.step_s].iloc[0]
+    assert last["in cycle"].size == 6 and set(soft.outcome) == {"completed"}
+    return locals() | {"EVENT": EVENT, "STANDING": STANDING, "COUNT": COUNT, "FEWER": FEWER}

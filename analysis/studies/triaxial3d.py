@@ -94,5 +94,8 @@ def quantities(table):
     passed = {medium: usual[usual.medium == medium] for medium in (MD, SPRINGS, RIGID)}
     slower = ramp[ramp.ramp_rate < 0.7].set_index(["spheres", "packing"])
     pace = slower[over(1e-4)] / passed[RIGID][over(1e-4)].loc[slower.index]
+    same = loop[SPRINGS].largest / loop[MD].largest
+    steps = ramp.ramp_rate.map({0.7: 9, SLOWER["ramp_rate"]: SLOWER["cycles"]}) * 375  # at most, of CD
+    missed = 100 * (ramp["unsolved steps"] / steps)[ramp.medium == RIGID].max()
     first, later, md, springs, rigid = over(1e-4), over(1e-2), MD, SPRINGS, RIGID
     return locals()
