@@ -23,6 +23,8 @@ MOST_STEPS = 1e12  # from one sample to the next: twelve days, if a step takes a
 # Version of what the defaults mean, here and in the scenes: part of the name of every run.
 MEANING = 2
 
+PLANAR_SOLVERS = ("newton",)  # of method_cd
+
 SPRING_TOLERANCE = 0.1  # default of `tolerance` where cd_contacts = springs, as in cd_engine.engines
 
 REGISTRY = {p.name: p for p in (
@@ -194,6 +196,8 @@ def _check_together(full):
             raise ParameterError(f"{name} = {full[name]}: must be above 0 in the scene {full['scene']}")
     if full["method"] == "CD":
         steps(full, full["cd_dt"])
+        if scene.IN_SPACE and full["method_cd"] in PLANAR_SOLVERS:
+            raise ParameterError(f"method_cd = {full['method_cd']}: solves planar scenes only, and the scene {full['scene']} is in space: take auto")
     scene.check(full)
 
 

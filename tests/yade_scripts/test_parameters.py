@@ -170,7 +170,7 @@ def test_a_lateral_stress_below_zero_is_refused(row):
 @pytest.mark.parametrize("name, value", [
     ("friction", -0.1), ("friction", math.nan), ("friction", math.inf), ("friction", "rough"), ("friction", True), ("friction", None),
     ("seed", 1.5), ("seed", -1), ("disks", 0), ("delta_sigma", 0), ("delta_sigma", 10.1), ("warm_start", 1), ("method", "ED"),
-    ("scene", "triaxial"), ("cd_dt", 0.0), ("tolerance", 0)])
+    ("scene", "true_triaxial"), ("cd_dt", 0.0), ("tolerance", 0)])
 def test_wrong_value_is_refused_with_name_value_and_range(name, value):
     with pytest.raises(ParameterError) as caught:
         complete({name: value})

@@ -10,9 +10,10 @@ Against walls it is always the standard one.
 import math
 
 from yade import O
-from yade.wrapper import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, ForceResetter, Ig2_Box_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom,
-                          InsertionSortCollider, InteractionLoop, Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys,
-                          Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker, NewtonIntegrator)
+from yade.wrapper import (Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, Ig2_Box_Sphere_ScGeom,
+                          Ig2_Facet_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom, InsertionSortCollider, InteractionLoop,
+                          Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys, Law2_ScGeom_FrictViscoPhys_CundallStrackVisco, MatchMaker,
+                          NewtonIntegrator)
 
 import cd_engine
 from yade_scripts import parameters
@@ -25,8 +26,9 @@ def contact_engines(full, tangential_law="standard"):
     kn, ratio = (MatchMaker(algo="val", val=value) for value in (parameters.stiffness(full), full["kt_over_kn"]))
     engines = [
         ForceResetter(),
-        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()]),
-        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=tangential_law == "avoid_ratcheting"), Ig2_Box_Sphere_ScGeom()],
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Wall_Aabb(), Bo1_Facet_Aabb()]),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=tangential_law == "avoid_ratcheting"), Ig2_Box_Sphere_ScGeom(),
+                         Ig2_Wall_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom()],
                         [Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=kn, kRatio=ratio)],
                         [Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()])]
     if tangential_law == "path_independent":

@@ -3,7 +3,7 @@ import functools
 import math
 import random
 
-from yade import O, Quaternion, utils
+from yade import O, Quaternion, Vector3, utils
 
 from yade_scripts import parameters
 from yade_scripts.running import bodies, deposit, md, walls
@@ -13,13 +13,14 @@ from yade_scripts.scenes import Scene, method
 class Ground:
     """Places disks and boxes of the material `disk`, which has the row's friction.
 
-    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean. time [s]: length of the run. draw: random.Random of the
+    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean, of a sphere where the scene is in space. time [s]: length of the run. draw: random.Random of the
     seed.
     """
 
     def __init__(self, full):
         self.full, self.radius, self.time = full, full["radius_mean"], full["period"] * full["cycles"]
-        self.mass = bodies.disk_mass(self.radius, full)
+        space = parameters.in_space(full)
+        self.mass = full["density"] * 4 / 3 * math.pi * self.radius**3 if space else bodies.disk_mass(self.radius, full)
         bodies.append_material("disk", full["friction"], full)
 
     @functools.cached_property
@@ -30,6 +31,22 @@ class Ground:
         """Append a disk at (x, y) [m], of radius_mean and the mass of its radius unless said otherwise. Return the body."""
         radius = radius or self.radius
         return O.bodies[bodies.append_disk(place, radius, mass or bodies.disk_mass(radius, self.full), "disk", velocity, blocked)]
+
+    def sphere(self, place, velocity=(0, 0, 0), spin=(0, 0, 0)):
+        """Append a sphere of radius_mean at (x, y, z) [m], of this velocity [m/s] and spin [rad/s]. Return the body."""
+        body = O.bodies[bodies.append_sphere(place, self.radius, "disk", velocity)]
+        body.state.angVel = spin
+        body.state.angMom = body.state.inertia[0] * Vector3(*spin)
+        return body
+
+    def wall(self, place, axis):
+        """Append an endless fixed wall across an axis (0, 1, 2) at `place` [m]. Return its id."""
+        return O.bodies.append(utils.wall(place, axis=axis, material="disk", color=(0.4, 0.4, 0.4)))
+
+    def facets(self, triangles):
+        """Append fixed triangles, each three points (x, y, z) [m]."""
+        for triangle in triangles:
+            O.bodies.append(utils.facet([Vector3(*point) for point in triangle], material="disk", color=(0.4, 0.4, 0.4)))
 
     def box(self, centre, half, angle=0.0, material="disk"):
         """Append a fixed box at (x, y) [m] of half sides (x, y) [m], as deep as the disks, turned by `angle` [rad] about z. Return its id."""

@@ -74,7 +74,7 @@ def _check(scene):
 
 def series(scene):
     chart, own_step = chart_of(scene), parameters.complete({"scene": scene})["cd_dt"]
-    stiffer = STIFFER[:2] if chart.prepared else STIFFER
+    stiffer, space = STIFFER[:2] if chart.prepared else STIFFER, scenes.module(scene).IN_SPACE
     laws = parameters.REGISTRY["tangential_law"].choices[1:] if chart.rolling else ()
     found = [
         Series("MD step", "MD", "md_dt_factor", STEPS),
@@ -85,7 +85,7 @@ def series(scene):
         # Longer steps are fewer but harder to solve, so the cost need not rise with the rank.
         Series("CD step", "CD", "cd_dt", tuple(own_step * 2.0**k for k in range(4, -5, -1)), costlier=False),
         *(Series(f"CD {solver}", "CD", "tolerance", TOLERANCES, {"method_cd": solver})
-          for solver in parameters.REGISTRY["method_cd"].choices),
+          for solver in parameters.REGISTRY["method_cd"].choices if not (space and solver in parameters.PLANAR_SOLVERS)),
         Series("CD accuracy", "CD", store.ACCURACY, (1e-1, 1e-2, 1e-3, 1e-4, 1e-6), {"cd_dt": 8 * own_step}),
         Series("CD sweeps", "CD", "fixed_iterations", (1, 3, 10, 30, 100, 300, 1000)),
         *(Series(f"CD springs {name}", "CD", parameter, values, {"cd_contacts": "springs"}, costlier=False) for name, parameter, values in (
