@@ -57,8 +57,8 @@ def draw(runs, rows, path):
             axis.sharex(axes[0])
         axes[0].set_ylabel(r"stress $\sigma_2/P_0$")
         _strains(axes[-1], pandas.DataFrame(rows))
-        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded, in one scale. Right: a point a packing. Rigid contacts at "
-                     "rest show the error of the solver: two tolerances, two levels.", runs)
+        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded, in one scale. Right: a point a packing. Rigid contacts "
+                     "at rest show the error of the solver: two tolerances, two levels.", runs)
 
 
 def _loop(axis, run, exponent):
@@ -69,8 +69,8 @@ def _loop(axis, run, exponent):
         axis.legend(loc="upper left")
     axis.set(title=style.WORDS[run.method], xlabel=rf"strain $-\gamma$  [$10^{{{exponent}}}$]", yticks=(1, 1.1, 1.2))
     if run.method == "CD":
-        axis.text(0.55, 0.4, f"no motion: the strain\nof {np.abs(gamma).max():.0e}".replace("e-0", "e-") + " is the\nerror of the solver", transform=axis.transAxes,
-                  ha="center", fontsize=11, color=style.GREY["55"])
+        words = f"no motion: the strain\nof {np.abs(gamma).max():.0e} is the\nerror of the solver".replace("e-0", "e-")
+        axis.text(0.55, 0.4, words, transform=axis.transAxes, ha="center", fontsize=11, color=style.GREY["55"])
 
 
 def _strains(axis, table):

@@ -52,7 +52,8 @@ def _row(run):
         "load where sliding reaches the bound": _first(used >= 1, load),
         "M at the start": contacts, "N at the start": disks, "bound at the start": bound,
         "sliding/bound at |gamma| = 0.001": _first(np.abs(gamma) > 1e-3, used), "sliding/bound at |gamma| = 0.01": _first(np.abs(gamma) > 1e-2, used),
-        "largest sliding/bound": used.max(), "participation ratio": _participation(gamma), **summary.columns(run, "balance error", "unsolved steps", "outcome")}
+        "largest sliding/bound": used.max(), "participation ratio": _participation(gamma),
+        **summary.columns(run, "balance error", "unsolved steps", "outcome")}
 
 
 def _participation(gamma):

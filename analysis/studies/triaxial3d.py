@@ -1,4 +1,4 @@
-"""The paper's experiment with spheres in space: one cycle (Fig. 4) and a rising load (Fig. 5) by three methods, and the static limit of the packings."""
+"""The paper's experiment with spheres in space: one cycle (Fig. 4) and a rising load (Fig. 5) by three methods, and the static limit of packings."""
 import numpy as np
 
 from analysis import loops, observables, style, summary
@@ -9,8 +9,8 @@ from yade_scripts.tables import product
 from yade_scripts.theory import cone_limits
 
 TITLE = "Is it the same for spheres in space?"
-QUESTION = ("Triaxial test of spheres: sigma2 rises while sigma1 = sigma3 = P0; MD's springs, the same springs in Contact Dynamics, and rigid contacts, "
-            "from the same packings.")
+QUESTION = ("Triaxial test of spheres: sigma2 rises while sigma1 = sigma3 = P0; MD's springs, the same springs in Contact Dynamics, and rigid "
+            "contacts, from the same packings.")
 ORDER = 5.5  # in the report
 SPACE = dict(scene="triaxial")
 METHODS = (dict(method="MD", md_walls="force"), dict(method="CD", cd_contacts="springs"), dict(method="CD"))
@@ -83,7 +83,7 @@ def draw(runs, rows, path):
     loads.axhline(1, color="k", lw=0.8, ls=":")
     loads.set_xticks(range(len(THRESHOLDS)), [f"{threshold:g}" for threshold in THRESHOLDS])
     loads.set(xlabel=r"strain $|\gamma|$ that is passed", ylabel=r"$\sigma_2/P_0$ over its static limit", title="all packings")
-    style.finish(fig, path, f"Left and middle: one packing of {largest} spheres. Right: a point a packing, filled: {largest} spheres, open: smaller ones; "
+    style.finish(fig, path, f"Left and middle: one packing of {largest} spheres. Right: a point a packing, filled: {largest} spheres, open: fewer; "
                  "rigid contacts also under a ramp half as fast.", runs)
 
 
