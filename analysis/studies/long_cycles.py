@@ -21,15 +21,15 @@ SOFT = fig3.LOADING | dict(method="CD", cd_contacts="springs") | LOAD
 # Three times MD's default step; one cycle's strain changes by 0.1 %.
 MOLECULAR = fig3.SPRINGS | LOAD | dict(md_dt_factor=0.6)
 RIGID_ROW = fig3.RIGID | LOAD
-PART = {0.5: 300, 2.0: 100}  # cycles of MD by period
+CHECK = {0.5: 300, 2.0: 100}  # cycles of MD by period
 CHECKED = SOFT | dict(seed=2, cycles=FEWER)
 FINER, HALF = dict(cd_dt=PERIODS[0] / SHARE, tolerance=0.01), dict(cd_dt=PERIODS[0] / SHARE / 2)  # what the late rates owe to tolerance and step
 ROWS = {"quick": [SOFT | dict(cd_dt=PERIODS[0] / SHARE, cycles=40, seed=1), RIGID_ROW | dict(cycles=10, seed=1), MOLECULAR | dict(cycles=10, seed=1)],
         "full": [row for period in PERIODS
                  for row in product(**SOFT | dict(period=period, cd_dt=period / SHARE, cycles=COUNT, seed=SEEDS))]
         + product(**SOFT | SLOWEST | dict(seed=SEEDS)) + product(**RIGID_ROW, cycles=RIGID_COUNT, seed=SEEDS)
-        + [row for period, count in PART.items() for row in product(**MOLECULAR | dict(period=period, cycles=count, seed=SEEDS))]
-        + product(**MOLECULAR | dict(md_walls="servo"), cycles=PART[0.5], seed=SEEDS) + [CHECKED | FINER, CHECKED | HALF]}
+        + [row for period, count in CHECK.items() for row in product(**MOLECULAR | dict(period=period, cycles=count, seed=SEEDS))]
+        + product(**MOLECULAR | dict(md_walls="servo"), cycles=CHECK[0.5], seed=SEEDS) + [CHECKED | FINER, CHECKED | HALF]}
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 300, 500, 750, 1000, 1500, 2000, 2500, 3000)  # last cycles of the windows
 
 
@@ -40,7 +40,7 @@ def medium(run):
 
 def summarize(runs):
     """Return one row a run and window of cycles. rate: mean strain a cycle, positive where the sample goes on shortening along axis 2; rate error:
-    its standard error, from ten blocks of cycles. largest cycle: the largest strain of one cycle, and in which cycle. compaction: change of the volume
+    its standard error, from ten blocks of cycles. largest cycle: the largest strain of one cycle, and in which cycle. compaction: loss of volume
     over the window."""
     rows = []
     for run in runs:
@@ -88,8 +88,8 @@ def draw(runs, rows, path):
     left.text(EVENT, 0.02, f"N = {EVENT} ", transform=left.get_xaxis_transform(), ha="right", fontsize=8)
     left.set_title("cycles of 0.5 s")
     right.set_title("means over windows of cycles")
-    style.finish(fig, path, "A line a packing. Dotted: the cycle in which the paper names a sudden compression. The strain of rigid packings, which rest, is "
-                 "the error of the solver.", runs)
+    style.finish(fig, path, "A line a packing. Dotted: the cycle in which the paper names a sudden compression. The strain of rigid packings, which rest, "
+                 "is the error of the solver.", runs)
 
 
 EVENT = 2700  # the paper's "N = 2700"
@@ -111,10 +111,10 @@ POINTS = (
 def quantities(table):
     soft, rigid = table[(table.medium == SPRINGS) & table.usual], table[table.medium == RIGID]
     at = table[table.usual].set_index(["medium", "period", "packing", "to cycle"]).sort_index()
-    common = PART
+    common = CHECK
     over_md = {period: pandas.Series([at["|gamma|"][SPRINGS, period, seed, count] / at["|gamma|"][MD, period, seed, count] for seed in SEEDS])
-               for period, count in PART.items()}
-    servo = pandas.Series([at["|gamma|"][f"{MD}, servo", 0.5, seed, PART[0.5]] / at["|gamma|"][MD, 0.5, seed, PART[0.5]] for seed in SEEDS])
+               for period, count in CHECK.items()}
+    servo = pandas.Series([at["|gamma|"][f"{MD}, servo", 0.5, seed, CHECK[0.5]] / at["|gamma|"][MD, 0.5, seed, CHECK[0.5]] for seed in SEEDS])
     cost = pandas.Series([at.seconds[MD, 2.0, seed, 100] / at.seconds[SPRINGS, 2.0, seed, 100] for seed in SEEDS]).median()
     late = soft[soft["from cycle"] > STANDING]
     burst = soft[soft["from cycle"] > 20].sort_values("largest cycle").iloc[-1]

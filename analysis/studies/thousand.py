@@ -7,9 +7,9 @@ from analysis.studies.fig3 import SPRINGS
 from analysis.style import plt
 from yade_scripts.tables import product
 
-TITLE = "Does the strain of springs go on for a thousand cycles?"
+TITLE = "A thousand cycles by MD: do the tangential laws agree?"
 QUESTION = "Three packings under dSigma = 0.4, under two tangential laws and with two periods."
-ORDER = 3.2  # in the report
+ORDER, PART = 3.2, "appendix"  # in the report
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 625, 750, 875, 1000)  # last cycles of the windows
 BASE = SPRINGS | dict(delta_sigma=0.4)
 SLOW = dict(period=2.0)  # 0.5 s is short for springs of k_n (study of later cycles)
