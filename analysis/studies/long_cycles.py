@@ -24,12 +24,16 @@ RIGID_ROW = fig3.RIGID | LOAD
 CHECK = {0.5: 300, 2.0: 100}  # cycles of MD by period
 CHECKED = SOFT | dict(seed=2, cycles=FEWER)
 FINER, HALF = dict(cd_dt=PERIODS[0] / SHARE, tolerance=0.01), dict(cd_dt=PERIODS[0] / SHARE / 2)  # what the late rates owe to tolerance and step
+NO_SLIP = dict(friction=1.0, pressure_ratio=6e-3, period=2.0)  # where McNamara et al. (2008) see ratcheting without sliding
+NO_SLIP_COUNT, NO_SLIP_CHECK = 300, 50  # cycles by springs in Contact Dynamics and by MD, whose law causes it
 ROWS = {"quick": [SOFT | dict(cd_dt=PERIODS[0] / SHARE, cycles=40, seed=1), RIGID_ROW | dict(cycles=10, seed=1), MOLECULAR | dict(cycles=10, seed=1)],
         "full": [row for period in PERIODS
                  for row in product(**SOFT | dict(period=period, cd_dt=period / SHARE, cycles=COUNT, seed=SEEDS))]
         + product(**SOFT | SLOWEST | dict(seed=SEEDS)) + product(**RIGID_ROW, cycles=RIGID_COUNT, seed=SEEDS)
         + [row for period, count in CHECK.items() for row in product(**MOLECULAR | dict(period=period, cycles=count, seed=SEEDS))]
-        + product(**MOLECULAR | dict(md_walls="servo"), cycles=CHECK[0.5], seed=SEEDS) + [CHECKED | FINER, CHECKED | HALF]}
+        + product(**MOLECULAR | dict(md_walls="servo"), cycles=CHECK[0.5], seed=SEEDS) + [CHECKED | FINER, CHECKED | HALF]
+        + product(**SOFT | NO_SLIP | dict(cd_dt=2.0 / SHARE), cycles=NO_SLIP_COUNT, seed=SEEDS)
+        + product(**MOLECULAR | NO_SLIP, cycles=NO_SLIP_CHECK, seed=1, tangential_law=("standard", "path_independent"))}
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 300, 500, 750, 1000, 1500, 2000, 2500, 3000)  # last cycles of the windows
 
 
@@ -47,7 +51,7 @@ def summarize(runs):
         found = cycles.of(run)
         volume = ((1 + run.values("strain1")) * (1 + run.values("strain2")))[found.ends]
         row = run.parameters
-        same = {"medium": medium(run), "usual": usual_step(row), "tolerance": row["tolerance"], "period": row["period"], "packing": row["seed"],
+        same = {"medium": medium(run), "law": row["tangential_law"], "friction": row["friction"], "usual": usual_step(row), "tolerance": row["tolerance"], "period": row["period"], "packing": row["seed"],
                 "step_s": row["cd_dt"] if run.method == "CD" else np.nan, "load over limit": limits.load_over_limit(run)}
         edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
         for first, last in zip(edges[:-1], edges[1:]):
@@ -98,8 +102,9 @@ STANDING = 500  # cycles after which the rates are compared
 
 
 def usual_step(row):
-    """Return whether a run has the usual step and tolerance."""
-    return row["cd_contacts"] == "rigid" or (row["tolerance"] == FINER["tolerance"] * 10 and row["cd_dt"] != HALF["cd_dt"])
+    """Return whether a run has the usual friction, step and tolerance."""
+    usual = row["method"] == "MD" or row["cd_contacts"] == "rigid" or (row["tolerance"] == 10 * FINER["tolerance"] and row["cd_dt"] != HALF["cd_dt"])
+    return usual and row["friction"] != NO_SLIP["friction"]
 
 
 POINTS = (
@@ -122,8 +127,11 @@ def quantities(table):
     around = soft[(soft["from cycle"] <= EVENT) & (soft["to cycle"] >= EVENT)]
     strain = soft[soft.period.isin(PERIODS)].set_index(["period", "packing", "to cycle"])["|gamma|"]
     share = strain.xs(STANDING, level="to cycle") / strain.xs(COUNT, level="to cycle")
-    window = table[(table.medium == SPRINGS) & (table.period == 0.5) & (table.packing == CHECKED["seed"]) & (table["to cycle"] == FEWER)]
+    glued = table[table.friction == NO_SLIP["friction"]]
+    glued_soft, glued_md = glued[glued.medium == SPRINGS], glued[glued.medium == MD].groupby("law").last()
+    glued_late = glued_soft[glued_soft["to cycle"] == NO_SLIP_COUNT]
+    window = table[(table.friction < 1) & (table.medium == SPRINGS) & (table.period == 0.5) & (table.packing == CHECKED["seed"]) & (table["to cycle"] == FEWER)]
     plain = window[window.usual].iloc[0]
     finer, halved = window[window.tolerance < plain.tolerance].iloc[0], window[window.step_s < plain.step_s].iloc[0]
     assert last["in cycle"].size == 6 and set(soft.outcome) == {"completed"}
-    return locals() | {"EVENT": EVENT, "STANDING": STANDING, "COUNT": COUNT, "FEWER": FEWER}
+    return locals() | {"EVENT": EVENT, "STANDING": STANDING, "COUNT": COUNT, "FEWER": FEWER, "NO_SLIP_COUNT": NO_SLIP_COUNT, "NO_SLIP_CHECK": NO_SLIP_CHECK}
