@@ -51,8 +51,8 @@ def summarize(runs):
         found = cycles.of(run)
         volume = ((1 + run.values("strain1")) * (1 + run.values("strain2")))[found.ends]
         row = run.parameters
-        same = {"medium": medium(run), "law": row["tangential_law"], "friction": row["friction"], "usual": usual_step(row), "tolerance": row["tolerance"], "period": row["period"], "packing": row["seed"],
-                "step_s": row["cd_dt"] if run.method == "CD" else np.nan, "load over limit": limits.load_over_limit(run)}
+        same = {"medium": medium(run), "law": row["tangential_law"], "friction": row["friction"], "usual": usual_step(row), "tolerance": row["tolerance"],
+                "period": row["period"], "packing": row["seed"], "step_s": row["cd_dt"] if run.method == "CD" else np.nan, "load over limit": limits.load_over_limit(run)}
         edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
         for first, last in zip(edges[:-1], edges[1:]):
             rate = -found.rate[first:last]
@@ -92,8 +92,8 @@ def draw(runs, rows, path):
     left.text(EVENT, 0.02, f"N = {EVENT} ", transform=left.get_xaxis_transform(), ha="right", fontsize=8)
     left.set_title("cycles of 0.5 s")
     right.set_title("means over windows of cycles")
-    style.finish(fig, path, "A line a packing. Dotted: the cycle in which the paper names a sudden compression. The strain of rigid packings, which rest, "
-                 "is the error of the solver.", runs)
+    style.finish(fig, path, "A line a packing. Dotted: the cycle in which the paper names a sudden compression. The strain of rigid packings, which "
+                 "rest, is the error of the solver.", runs)
 
 
 EVENT = 2700  # the paper's "N = 2700"
@@ -130,8 +130,9 @@ def quantities(table):
     glued = table[table.friction == NO_SLIP["friction"]]
     glued_soft, glued_md = glued[glued.medium == SPRINGS], glued[glued.medium == MD].groupby("law").last()
     glued_late = glued_soft[glued_soft["to cycle"] == NO_SLIP_COUNT]
-    window = table[(table.friction < 1) & (table.medium == SPRINGS) & (table.period == 0.5) & (table.packing == CHECKED["seed"]) & (table["to cycle"] == FEWER)]
+    window = table[(table.friction < 1) & (table.medium == SPRINGS) & (table.period == PERIODS[0]) & (table.packing == CHECKED["seed"])
+                   & (table["to cycle"] == FEWER)]
     plain = window[window.usual].iloc[0]
     finer, halved = window[window.tolerance < plain.tolerance].iloc[0], window[window.step_s < plain.step_s].iloc[0]
     assert last["in cycle"].size == 6 and set(soft.outcome) == {"completed"}
-    return locals() | {"EVENT": EVENT, "STANDING": STANDING, "COUNT": COUNT, "FEWER": FEWER, "NO_SLIP_COUNT": NO_SLIP_COUNT, "NO_SLIP_CHECK": NO_SLIP_CHECK}
+    return locals() | dict(EVENT=EVENT, STANDING=STANDING, COUNT=COUNT, FEWER=FEWER, NO_SLIP_COUNT=NO_SLIP_COUNT, NO_SLIP_CHECK=NO_SLIP_CHECK)
