@@ -38,7 +38,7 @@ def draw(rows, folder, line):
     """Draw a panel for each kind; hollow where some of its scenes are not solved."""
     kinds = rows.groupby("kind", sort=False)
     lines = min(2, len(kinds))
-    fig, panels = plt.subplots(lines, math.ceil(len(kinds) / lines), figsize=(8.4, 2.8 * lines), sharex=True, sharey=True, squeeze=False)
+    fig, panels = plt.subplots(lines, math.ceil(len(kinds) / lines), figsize=(9.6, 2.9 * lines), sharex=True, sharey=True, squeeze=False)
     for axes, (kind, of_kind) in zip(panels.flat, kinds):
         for method, colour in table.COLOUR.items():
             own = of_kind[(of_kind.method == method) & of_kind.seconds.notna()]
@@ -49,7 +49,7 @@ def draw(rows, folder, line):
                 axes.annotate(f"{row.solved} of {row.scenes}", (row.accuracy, row.seconds), (0, 6), textcoords="offset points",
                               fontsize=6.5, ha="center")
         count = of_kind.scenes.max()
-        axes.set_title(f"{kind} ({count} scene{'s' if count > 1 else ''})")
+        axes.set_title(f"{kind}\n({count} scene{'s' if count > 1 else ''})")
         axes.grid(True)
     for axes, above in zip(panels.flat[len(kinds):], panels[0, len(kinds) - panels.shape[1]:]):
         axes.remove()
@@ -58,7 +58,10 @@ def draw(rows, folder, line):
     plt.setp(panels[-1], xlabel="error allowed")
     plt.setp(panels[:, 0], ylabel="time of computing [s]")
     panels[0, 0].invert_xaxis()
-    panels[0, 0].legend()
+    if len(kinds) < panels.size:
+        fig.legend(*panels[0, 0].get_legend_handles_labels(), loc="center", bbox_to_anchor=(0.87, 0.32))
+    else:
+        panels[0, 0].legend()
     style.finish(fig, folder / "by_kind.png",
                  "Cheapest setting that reaches the error; mean over the scenes of a kind. Hollow: over those it solves.", line)
     return {"by_kind.png": TITLE}

@@ -40,7 +40,7 @@ def publish_all(results, folder, full, broken, beside=None):
 
 
 def _united(origin, other):
-    processors = dict.fromkeys((other["processor"], origin["processor"]))
+    processors = dict.fromkeys(", ".join((other["processor"], origin["processor"])).split(", "))
     return {"commits": sorted({*origin["commits"], *other["commits"]}), "measured": origin["measured"] + other["measured"],
             "processor": ", ".join(processors)}
 
