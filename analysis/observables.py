@@ -43,19 +43,20 @@ def stiffness(gamma, stress, share=0.2):
 
 
 def start_volume(run):
-    """Return L_x0 L_y0 depth [m^3] when the loading begins."""
-    x_low, x_high, y_low, y_high = run.snapshots[0]["box"]
-    return (x_high - x_low) * (y_high - y_low) * float(run.attributes["depth"])
+    """Return L_x0 L_y0 depth [m^3] when the loading begins, around spheres L_x0 L_y0 L_z0."""
+    sides = np.diff(run.snapshots[0]["box"].reshape(-1, 2)).ravel()
+    return np.prod(sides) * (float(run.attributes["depth"]) if len(sides) == 2 else 1.0)
 
 
 def wall_work(run):
     """Return the work [J] of the walls on the sample, from stress and strain alone.
 
-    -sigma1 dL_x L_y - sigma2 dL_y L_x, times depth, by the trapezoidal rule.
+    -sigma1 dL_x L_y - sigma2 dL_y L_x, times depth, by the trapezoidal rule. Around spheres x and z are taken to strain alike.
     """
     strain1, strain2 = run.values("strain1"), run.values("strain2")
-    power1 = trapezoid(run.values("sigma1") * (1 + strain2), strain1)
-    power2 = trapezoid(run.values("sigma2") * (1 + strain1), strain2)
+    across = len(run.snapshots[0]["box"]) // 2 - 1  # directions: 1 around disks, 2 around spheres
+    power1 = across * trapezoid(run.values("sigma1") * (1 + strain2) * (1 + strain1)**(across - 1), strain1)
+    power2 = trapezoid(run.values("sigma2") * (1 + strain1)**across, strain2)
     return -(power1 + power2) * start_volume(run)
 
 

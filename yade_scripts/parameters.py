@@ -37,13 +37,15 @@ REGISTRY = {p.name: p for p in (
               "it", above=0, high=1e3, prepare=True),
     Parameter("radius_spread", 0.3, "1", "radii are uniform within radius_mean (1 +- radius_spread); not in the paper",
               low=0, high=0.9, prepare=True),
-    Parameter("depth", 1.0, "m", "length of the cylinders that the disks stand for", above=0, high=1e3, prepare=True),
+    Parameter("depth", 1.0, "m", "length of the cylinders that the disks stand for; not read where grains are spheres", above=0, high=1e3,
+              prepare=True),
     Parameter("density", 2600.0, "kg/m^3", "density of the disks, whose mass is rho pi R^2 depth and inertia m R^2/2; not in the paper",
               above=0, high=1e6, prepare=True),
     Parameter("kn", 2e6, "N/m", "normal stiffness k_n of a contact, eq. 5; the paper has 2 MPa, at a depth of 1 m", above=0, high=1e15, prepare=True),
     Parameter("kt_over_kn", 0.5, "1", "tangential over normal stiffness, eq. 6; not given in the paper or in other work of its authors; 0.5 is a "
               "common choice. It shifts gamma, so vary it", above=0, high=1, prepare=True),
-    Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth, kn before stiffening", above=0, high=0.01, prepare=True),
+    Parameter("pressure_ratio", 6e-4, "1", "confining pressure P0 = pressure_ratio kn/depth, kn before stiffening; of spheres over the mean diameter "
+              "instead of depth", above=0, high=0.01, prepare=True),
     Parameter("friction", 0.1, "1", "Coulomb coefficient mu between disks", low=0, high=2, prepare=True),
     Parameter("preparation_friction", 0.0, "1", "mu while the packing is compacted; 0 gives dense, robust samples", low=0, high=2, prepare=True),
     Parameter("wall_friction", 0.0, "1", "mu between disks and walls once the packing is compacted; not in the paper", low=0, high=2, prepare=True),
@@ -179,6 +181,8 @@ def _check_together(full):
     if full["method"] not in scene.METHODS:
         raise ParameterError(f"method = {full['method']!r}: the scene {full['scene']} runs by {' and '.join(scene.METHODS)} only, since {scene.ONLY}")
     largest = full["radius_mean"] * (1 + full["radius_spread"])
+    if scene.IN_SPACE and full["depth"] != REGISTRY["depth"].default:
+        raise ParameterError(f"depth = {full['depth']}: has no effect in the scene {full['scene']}, whose grains are spheres; leave it out")
     if full["depth"] <= 2 * largest and not scene.IN_SPACE:
         raise ParameterError(f"depth = {full['depth']} m: must exceed the largest disk's diameter, {2 * largest:g} m, "
                              "otherwise the spheres touch the front and back walls")

@@ -52,17 +52,15 @@ def _row(run):
         "load where sliding reaches the bound": _first(used >= 1, load),
         "M at the start": contacts, "N at the start": disks, "bound at the start": bound,
         "sliding/bound at |gamma| = 0.001": _first(np.abs(gamma) > 1e-3, used), "sliding/bound at |gamma| = 0.01": _first(np.abs(gamma) > 1e-2, used),
-        "largest sliding/bound": used.max(), "participation ratio": _participation(gamma),
+        "largest sliding/bound": used.max(), "samples that strain": _samples_that_strain(gamma),
         **summary.columns(run, "balance error", "unsolved steps", "outcome")}
 
 
-def _participation(gamma):
-    """Return how evenly a sample strains between the strains SMOOTH: (sum d)^2/(n sum d^2) of the strains d of the n samples, which follow at equal
-    steps of the load. 1: all alike; 1/n: in one jump."""
-    size = np.abs(gamma)
-    first, last = np.argmax(size > SMOOTH[0]), np.argmax(size > SMOOTH[1])
-    steps = np.diff(gamma[max(first - 1, 0):last + 1])
-    return steps.sum()**2 / (len(steps) * np.sum(steps**2)) if len(steps) else np.nan
+def _samples_that_strain(gamma):
+    """Return over how many samples, which follow at equal steps of the load, the strain between the two of SMOOTH is spread: (sum d)^2/sum d^2 of the
+    strains d of the samples there. 1: it comes in one jump; n: evenly in n samples."""
+    steps = np.diff(np.clip(np.abs(gamma), *SMOOTH))
+    return steps.sum()**2 / np.sum(steps**2) if steps.any() else np.nan
 
 
 def _first(reached, values):
@@ -176,7 +174,7 @@ def quantities(table):
     strained = {method: own["|gamma| at the limit"].xs(USUAL, level="ramp rate") for method, own in (("md", md), ("cd", cd))}
     by_rate = {rate: rows.loc["CD"].xs(rate, level="ramp rate")["load at |gamma| = 0.0001"] for rate in (USUAL, USUAL / 2)}
     starts, exp = (by_rate[USUAL / 2] / by_rate[USUAL]).dropna(), np.exp
-    even = rows["participation ratio"].xs(USUAL, level="ramp rate")
+    even = rows["samples that strain"].xs(USUAL, level="ramp rate")
     evenness = (even["CD"] / even["MD"]).dropna()
     logs, logs_beyond = (np.log(several).groupby(level=["preparation friction", "seed"]).mean() for several in (ratio, beyond))  # both stress paths
     assert (ratio.loc[0.0] > 1).all() and (every["gamma at the end"].abs() > 0.2).all()

@@ -51,9 +51,9 @@ def summarize(runs):
         found = cycles.of(run)
         volume = ((1 + run.values("strain1")) * (1 + run.values("strain2")))[found.ends]
         row = run.parameters
-        same = {"medium": medium(run), "law": row["tangential_law"], "friction": row["friction"], "usual": usual_step(row), "tolerance": row["tolerance"],
-                "period": row["period"], "packing": row["seed"], "step_s": row["cd_dt"] if run.method == "CD" else np.nan,
-                "load over limit": limits.load_over_limit(run)}
+        same = {"medium": medium(run), "law": row["tangential_law"], "friction": row["friction"], "usual": usual_step(row),
+                "tolerance": row["tolerance"], "period": row["period"], "packing": row["seed"],
+                "step_s": row["cd_dt"] if run.method == "CD" else np.nan, "load over limit": limits.load_over_limit(run)}
         edges = [cycle for cycle in EDGES if cycle < len(found.number)] + [len(found.number)]
         for first, last in zip(edges[:-1], edges[1:]):
             rate = -found.rate[first:last]

@@ -24,19 +24,26 @@ ROWS = {"quick": [row for method in METHODS for row in (CYCLE | dict(disks=200) 
         + product(**RAMP | SMALL | METHODS[2] | SLOWER, seed=range(1, 6))
         + [RAMP | LARGE | method | dict(seed=1) for method in METHODS]}
 THRESHOLDS = (1e-4, 1e-3, 1e-2, 1e-1)  # of |gamma|
-_limits = {}  # of the packings: a minute and more each
+LIMIT_UP_TO = 500  # spheres: a larger packing takes a quarter of an hour
+_limits = {}  # of the packings
 
 
 def static_limit(run):
-    """Return the largest sigma2/P0 that the contacts at the start can carry, the middle of its bounds; NaN if there is none."""
+    """Return two bounds of the largest sigma2/P0 that the contacts at the start can carry; NaN if there is none, and for large packings."""
+    if run.parameters["disks"] > LIMIT_UP_TO:
+        return np.nan, np.nan
     packing = run.snapshots[0]
     key = packing["contact_point"].tobytes()
     if key not in _limits:
         try:
-            _limits[key] = np.mean(cone_limits.limit_load(packing, run.pressure))
+            _limits[key] = cone_limits.limit_load(packing, run.pressure)
         except ResultError:
-            _limits[key] = np.nan
+            _limits[key] = np.nan, np.nan
     return _limits[key]
+
+
+def load_at(threshold):
+    return f"load at |gamma| = {threshold:g}"
 
 
 def over(threshold):
@@ -45,13 +52,16 @@ def over(threshold):
 
 @summary.each
 def summarize(run):
-    """Return the row of a run: of a cycle its loop, of a ramp sigma2 over the static limit where |gamma| passes a threshold."""
+    """Return the row of a run: of a cycle its loop, of a ramp sigma2/P0, also over the static limit, where |gamma| passes a threshold."""
     row, ramp = run.parameters, run.parameters["loading"] == "ramp"
     found = {"experiment": "ramp" if ramp else "cycle", "medium": kind(run), "spheres": row["disks"], "packing": row["seed"],
              "ramp_rate": row["ramp_rate"] if ramp else np.nan}
     if ramp:
-        limit = static_limit(run)
-        found |= {"static limit": limit} | {over(threshold): observables.critical_load(run, threshold) / limit for threshold in THRESHOLDS}
+        below, limit = static_limit(run)
+        found |= {"static limit": limit, "static limit, lower bound": below}
+        loads = {threshold: observables.critical_load(run, threshold) for threshold in THRESHOLDS}
+        found |= {load_at(threshold): load for threshold, load in loads.items()}
+        found |= {over(threshold): load / limit for threshold, load in loads.items()}
     else:
         found |= loops.of(run)
     return found | {"contacts a sphere": 2 * run.values("contacts")[0] / row["disks"], "seconds": float(run.values("processor_time")[-1]),
@@ -61,14 +71,16 @@ def summarize(run):
 def draw(runs, rows, path):
     """Draw the loop of one packing, its ramp, and the loads at which all packings pass a strain, over their limits."""
     fig, (cycle, ramp, loads) = plt.subplots(1, 3, figsize=(12, 4))
-    largest = max(run.parameters["disks"] for run in runs)
+    shown = {which: max(run.parameters["disks"] for run in runs if (run.parameters["loading"] == "ramp") == (which is ramp)
+                        and (which is cycle or run.parameters["disks"] <= LIMIT_UP_TO)) for which in (cycle, ramp)}
     for run in runs:
         row, look = run.parameters, dict(color=COLOUR[kind(run)]) | (dict(lw=4, alpha=0.5) if run.method == "MD" else dict(lw=1.4))
-        if row["seed"] != 1 or row["disks"] != largest:
+        which = ramp if row["loading"] == "ramp" else cycle
+        if row["seed"] != 1 or row["disks"] != shown[which] or row["ramp_rate"] == SLOWER["ramp_rate"]:
             continue
-        if row["loading"] == "ramp":
+        if which is ramp:
             ramp.plot(observables.load(run), np.abs(run.values("gamma")), label=kind(run), **look)
-            limit = static_limit(run)
+            limit = static_limit(run)[1]
         else:
             cycle.plot(-run.values("gamma") * 1e4, observables.load(run), **look)
     ramp.axvline(limit, color="k", lw=0.8, ls=":", label="static limit")
@@ -79,23 +91,24 @@ def draw(runs, rows, path):
         if row["experiment"] == "ramp":
             shift = {MD: -0.15, SPRINGS: 0.0, RIGID: 0.15}[row["medium"]]
             loads.plot(np.arange(len(THRESHOLDS)) + shift, [row[over(threshold)] for threshold in THRESHOLDS], ls="", marker=MARKER[row["medium"]],
-                       color=COLOUR[row["medium"]], ms=6 if row["spheres"] == largest else 4, mfc=None if row["spheres"] == largest else "none")
+                       color=COLOUR[row["medium"]], ms=5, mfc="none" if row["ramp_rate"] == SLOWER["ramp_rate"] else None)
     loads.axhline(1, color="k", lw=0.8, ls=":")
     loads.set_xticks(range(len(THRESHOLDS)), [f"{threshold:g}" for threshold in THRESHOLDS])
     loads.set(xlabel=r"strain $|\gamma|$ that is passed", ylabel=r"$\sigma_2/P_0$ over its static limit", title="all packings")
-    style.finish(fig, path, f"Left and middle: one packing of {largest} spheres. Right: a point a packing, filled: {largest} spheres, open: fewer; "
-                 "rigid contacts also under a ramp half as fast.", runs)
+    style.finish(fig, path, f"Left: one packing of {shown[cycle]} spheres. Middle: one of {shown[ramp]}. Right: a point a packing of {shown[ramp]}; "
+                 "open: a ramp half as fast.", runs)
 
 
 def quantities(table):
     cycle, ramp = (table[table.experiment == which] for which in ("cycle", "ramp"))
     loop = {medium: own.set_index("packing") for medium, own in cycle.groupby("medium")}
-    usual = ramp[ramp.ramp_rate == 0.7].set_index(["spheres", "packing"])
+    usual = ramp[ramp.ramp_rate > SLOWER["ramp_rate"]].set_index(["spheres", "packing"])
     passed = {medium: usual[usual.medium == medium] for medium in (MD, SPRINGS, RIGID)}
-    slower = ramp[ramp.ramp_rate < 0.7].set_index(["spheres", "packing"])
-    pace = slower[over(1e-4)] / passed[RIGID][over(1e-4)].loc[slower.index]
+    slower = ramp[ramp.ramp_rate == SLOWER["ramp_rate"]].set_index(["spheres", "packing"])
+    pace = slower[load_at(1e-4)] / passed[RIGID][load_at(1e-4)].loc[slower.index]
     same = loop[SPRINGS].largest / loop[MD].largest
     steps = ramp.ramp_rate.map({0.7: 9, SLOWER["ramp_rate"]: SLOWER["cycles"]}) * 375  # at most, of CD
     missed = 100 * (ramp["unsolved steps"] / steps)[ramp.medium == RIGID].max()
-    first, later, md, springs, rigid = over(1e-4), over(1e-2), MD, SPRINGS, RIGID
+    apart = (1 - ramp["static limit, lower bound"] / ramp["static limit"]).max()
+    first, later, md, springs, rigid = over(1e-4), load_at(1e-2), MD, SPRINGS, RIGID
     return locals()

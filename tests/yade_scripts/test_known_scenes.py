@@ -79,15 +79,15 @@ ROWS = [
      "the tangential spring swinging, by mu g (m/m_t)/omega of 1 m/s: m_t = m/3.5 at the contact point, omega^2 = k_t/m_t; steps of 0.2 sqrt(m/k_n)"),
     ("oblique_impact", {}, 1e-8, "it touches 1e-6 steps after the middle of one, 1e-6 3.9 m/s 1e-5 s of the radius"),
     ("oblique_impact", dict(impact_angle=75.0, restitution=0.3), 1e-8, "the same"),
-    ("oblique_impact", dict(method="MD", md_dt_factor=0.02), 6e-3, "friction acts at the radius less the overlap, 3.9 m/s cos 50 degrees/omega of 2.5 "
-     "mm, 1.3 % at most; half of it in the mean"),
+    ("oblique_impact", dict(method="MD", md_dt_factor=0.02), 6e-3, "friction acts at the radius less the overlap, 3.9 m/s cos 50 degrees/omega of "
+     "2.5 mm, 1.3 % at most; half of it in the mean"),
     ("tube", {}, 1e-9, "the tolerance of 1e-12 times the 20 weights"),
     ("tube", dict(disks=7, tube_width=2.5), 1e-9, "the same"),
     ("tube", dict(method="MD"), 2e-3, "geometry that changes with the overlaps: the steepness of 20 contacts, each by some 20 m g/(k_n R) = 1e-4"),
     ("mesh_floor", {}, 1e-12, "round-off of 2000 steps"),
     ("mesh_floor", dict(seed=3, corners=300), 1e-12, "the same"),
-    ("mesh_floor", dict(method="MD"), 1e-4, "two contacts at an edge, whose normals differ by a sag m g/k_n over R: (5e-6)^(1/2) R of the way, some 100 "
-     "edges"),
+    ("mesh_floor", dict(method="MD"), 1e-4, "two contacts at an edge, whose normals differ by a sag m g/k_n over R: (5e-6)^(1/2) R of the way, some "
+     "100 edges"),
     ("valley", {}, 1e-6, "it touches 1e-6 steps after the middle of one, 1e-6 1 m/s 1e-3 s of the radius of 1e-2 m"),
     ("valley", dict(slope=60.0), 1e-6, "the same"),
     ("filling", dict(method="MD", kn=2e6), 0.032, "the same; its springs are compressed by at most 1e-2 of a radius"),

@@ -2,9 +2,9 @@
 
     yade -n -x yade_scripts/preparing/prepare.py seed=3 disks=400
 
-YADE's TriaxialStressController compacts a gas of disks on a grid (of spheres, for a scene in space), in 2D with springs and dashpots (paper, section 3: "This first stage is carried
-out with the MD algorithm") and `preparation_friction`. Contacts are then stiffened by `stiffening`. Last, the packing settles with `friction` and
-`wall_friction`. MD and CD start from this file.
+YADE's TriaxialStressController compacts a gas of disks on a grid (of spheres, for a scene in space), in 2D with springs and dashpots (paper, section
+3: "This first stage is carried out with the MD algorithm") and `preparation_friction`. Contacts are then stiffened by `stiffening`. Last, the
+packing settles with `friction` and `wall_friction`. MD and CD start from this file.
 """
 import gzip
 import hashlib

@@ -6,8 +6,8 @@ one instant. A finished run may also hold `/known/<name>`, a measured number wit
 only its scene has, with `unit` and `doc`.
 
 Conventions: axis 1 is x and axis 2 is y; of spheres, which are loaded along z, too, what is said of axis 1 is the mean of x and z, vectors have three
-columns, and tangential forces and rotations are vectors. Stress is compression positive and measured on the walls. Strain is extension positive. Equations
-are those of Garcia-Rojo, McNamara and Herrmann (2004).
+columns, and tangential forces and rotations are vectors. Stress is compression positive and measured on the walls. Strain is extension positive.
+Equations are those of Garcia-Rojo, McNamara and Herrmann (2004).
 """
 from dataclasses import dataclass
 
@@ -38,8 +38,8 @@ def _table(*fields):
 HISTORY = _table(
     Field("time", "s", "time since the start of the loading"),
     Field("cycle", "1", "time over the period of the loading; whole at the end of a cycle"),
-    Field("sigma1", "Pa", "stress on the x walls, force over height times depth"),
-    Field("sigma2", "Pa", "stress on the y walls, force over width times depth"),
+    Field("sigma1", "Pa", "stress on the x walls, force over area"),
+    Field("sigma2", "Pa", "stress on the y walls, force over area"),
     Field("strain1", "1", "L_x/L_x0 - 1; eq. 2 writes L_x/L_x0, which leaves gamma the same"),
     Field("strain2", "1", "L_y/L_y0 - 1; eq. 3 likewise"),
     Field("gamma", "1", "strain2 - strain1, eq. 4; negative when the sample shortens along y"),
@@ -115,7 +115,7 @@ ROOT_ATTRIBUTES = _table(
     Field("status", "", "'finished', or 'failed: ' or 'unstable: ' and the reason"),
     Field("outcome", "", "'completed', 'collapsed: ' and what was seen, 'unstable: ' and the step that would do, or 'failed'"),
     Field("pressure", "Pa", "P0, the pressure before the loading"),
-    Field("depth", "m", "length of the cylinders that the disks stand for, along z"),
+    Field("depth", "m", "length of the cylinders that the disks stand for, along z; no meaning for spheres"),
 )
 
 # How a run was interrupted and resumed; a file may lack these.

@@ -124,7 +124,7 @@ class Recorder:
         self.bounds.look(row, O.iter)
         try:
             if self.scene.load is not None:
-                self.load_check.look(row)
+                self.load_check.look(row | self._worst_across(row))
         except Collapse:
             if self.count - 1 not in self.scene.snapshots:
                 self._snapshot(row)
@@ -151,6 +151,11 @@ class Recorder:
         goal = self.scene.load.goal
         return {"sigma1": sigma1, "sigma2": sigma2, "sigma1_goal": goal[0], "sigma2_goal": goal[1], "strain1": across, "strain2": along,
                 "gamma": along - across, "wall_work": self.scene.load.work()}
+
+    def _worst_across(self, row):
+        """Return sigma1 of the side that is farthest from its goal; the history has the mean of x and z."""
+        across = walls.mean_stresses()[::2]
+        return {"sigma1": max(across, key=lambda stress: abs(stress - row["sigma1_goal"]))}
 
     def _md(self, row):
         """Return MD's energies. If the friction is not summed, the dissipated energy is computed from the energy balance."""

@@ -13,8 +13,8 @@ from yade_scripts.scenes import Scene, method
 class Ground:
     """Places disks and boxes of the material `disk`, which has the row's friction.
 
-    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean, of a sphere where the scene is in space. time [s]: length of the run. draw: random.Random of the
-    seed.
+    full: {name: value} of all parameters. radius [m], mass [kg]: of a disk of radius_mean, in space of a sphere. time [s]: length of the
+    run. draw: random.Random of the seed.
     """
 
     def __init__(self, full):

@@ -1,21 +1,29 @@
-"""A sphere rolls over a floor of random triangles, slivers and T-junctions among them, as over a plane: at the same speed, without being turned aside.
+"""A sphere rolls over a floor of random triangles, slivers and T-junctions among them, as over a plane: at the same speed, and straight on.
 
 Springs meet two triangles at their common edge and take both for contacts (known of YADE's facets); Contact Dynamics knows the surface.
 """
 import random
 
+from yade_scripts.errors import ParameterError
 from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
 TITLE = "Sphere that rolls over triangles"
 KIND = "spheres in space"
-HORIZON = "Any time before it reaches the rim of the floor, after 3.5 m."
+HORIZON = "Any time before it reaches the rim of the floor, after 3 m."
 LEFT_OUT = "rolling friction, which rigid round contacts do not have"
 DEFAULTS = dict(method="CD", friction=0.5, gravity=9.81, period=2.0, records_per_cycle=10, tolerance=1e-13)
 POSITIVE = "gravity", "friction"
 IN_SPACE = True
 PARAMETERS = (Parameter("corners", 60, "1", "corners of the triangles on 4 m by 1 m", low=4, high=10000),)
 CHART = Chart()
+
+
+def check(full):
+    """Check that the sphere stays on the floor."""
+    way = full["speed"] * full["period"] * full["cycles"]
+    if way > 3:
+        raise ParameterError(f"speed = {full['speed']}: the sphere would roll {way:.3g} m and leave the floor after 3 m; take a shorter period")
 
 
 def triangles(count, draw):

@@ -1,6 +1,7 @@
 """A sphere thrown flat on a floor slides, then rolls at 5/7 of its speed, since its angular momentum about the contact point is conserved."""
 import math
 
+from yade_scripts import parameters
 from yade_scripts.errors import ParameterError
 from yade_scripts.scenes import Chart, Known
 
@@ -16,7 +17,10 @@ WAY = 0.8, 0.6  # along x and z: no axis of the scene
 
 
 def check(full):
-    """Check that the sphere rolls before the end."""
+    """Check that the sphere rolls before the end, and that springs are stiff enough to hold it."""
+    sag = full["density"] * 4 / 3 * math.pi * full["radius_mean"]**3 * full["gravity"] / parameters.stiffness(full)
+    if parameters.has_springs(full) and sag > 0.1 * full["radius_mean"]:
+        raise ParameterError(f"kn = {full['kn']}: the sphere would sink in by {sag:.2g} m, more than a tenth of its radius; take stiffer springs")
     rolls, end = 2 * full["speed"] / (7 * full["friction"] * full["gravity"]), full["period"] * full["cycles"]
     if rolls >= end:
         raise ParameterError(f"period = {full['period']}: the run takes {end:g} s, but the sphere rolls only after 2 speed/(7 mu g) = {rolls:.3g} s")

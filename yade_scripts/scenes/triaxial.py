@@ -1,4 +1,4 @@
-"""The paper's experiment in space: spheres are prepared under P0 on all sides, then the stress along y changes (eqs. 1 and 7); sigma1 = sigma3 = P0."""
+"""The paper's experiment in space: spheres are prepared under P0 on all sides, then the stress along y changes (eqs. 1, 7); sigma1 = sigma3 = P0."""
 
 from yade_scripts.errors import ParameterError
 

@@ -1,6 +1,8 @@
 """Spheres on each other in a square tube without friction: each is pushed to two walls by its neighbours, with forces known by hand."""
 import math
 
+from yade_scripts import parameters
+from yade_scripts.errors import ParameterError
 from yade_scripts.parameter import Parameter
 from yade_scripts.scenes import Chart, Known
 
@@ -16,9 +18,22 @@ PARAMETERS = (Parameter("tube_width", 3.0, "1", "inner width of the tube over th
 CHART = Chart(sizes=(4, 16, 64))
 
 
+def check(full):
+    """Check that the forces are those known by hand."""
+    for name in ("friction", "restitution"):
+        if full[name]:
+            raise ParameterError(f"{name} = {full[name]}: the forces in the tube are known without it only: set {name} = 0")
+    if full["disks"] < 2:
+        raise ParameterError(f"disks = {full['disks']}: a tube needs two spheres at least")
+    weight = full["disks"] * full["density"] * 4 / 3 * math.pi * full["radius_mean"]**3 * full["gravity"]
+    if parameters.has_springs(full) and 10 * weight > full["radius_mean"] * parameters.stiffness(full):
+        raise ParameterError(f"kn = {full['kn']}: the weight of all spheres would compress a spring by more than a tenth of a radius; take "
+                             "stiffer ones")
+
+
 def build(full, folder):
-    """Build the spheres in opposite corners in turn. A contact below the weight W pushes its two spheres to the walls by W 2 d/rise along x and along z,
-    with centres that are 2 d apart along each. Springs are compressed by these forces from the start."""
+    """Build the spheres in opposite corners in turn. A contact below the weight W pushes its two spheres to the walls by W 2 d/rise along x and
+    along z, with centres that are 2 d apart along each. Springs are compressed by these forces from the start."""
     from yade_scripts.running import bodies, stage
     ground = stage.Ground(full)
     radius, half = ground.radius, full["tube_width"] * ground.radius / 2

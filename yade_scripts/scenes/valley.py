@@ -1,5 +1,5 @@
-"""A sphere rolls down one face of a valley and meets the other without a rebound: it loses speed, since only the angular momentum about the new contact
-is kept: v'/v = (2 + 5 cos t)/7, where t is the angle between the faces' directions."""
+"""A sphere rolls down one face of a valley and meets the other without a rebound: it loses speed, since only the angular momentum about the new
+contact is kept: v'/v = (2 + 5 cos t)/7, where t is the angle between the faces' directions."""
 import math
 
 from yade_scripts.errors import ParameterError
@@ -17,10 +17,14 @@ CHART = Chart()
 
 
 def check(full):
-    """Check that friction holds the sphere in the impact."""
+    """Check that friction holds the sphere in the impact, that it does not rebound, and that steps are short beside the way."""
+    if full["restitution"]:
+        raise ParameterError(f"restitution = {full['restitution']}: the known answer is that without a rebound: set restitution = 0")
+    if full["cd_dt"] > full["period"] * full["cycles"] / 20:
+        raise ParameterError(f"period = {full['period']}: the run must take 20 steps cd_dt = {full['cd_dt']} s at least")
     if not 0 < full["slope"] < 80 or full["friction"] < 2 / 7 * math.tan(math.radians(full["slope"]) / 2):
-        raise ParameterError(f"slope = {full['slope']}, friction = {full['friction']}: the known answer needs a slope in (0, 80) degrees and a friction "
-                             "of 2/7 tan(slope/2) at least")
+        raise ParameterError(f"slope = {full['slope']}, friction = {full['friction']}: the known answer needs a slope in (0, 80) degrees and a "
+                             "friction of 2/7 tan(slope/2) at least")
 
 
 def build(full, folder):
