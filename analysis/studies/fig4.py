@@ -57,8 +57,8 @@ def draw(runs, rows, path):
             axis.sharex(axes[0])
         axes[0].set_ylabel(r"stress $\sigma_2/P_0$")
         _strains(axes[-1], pandas.DataFrame(rows))
-        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded, in one scale. Right: a point a packing. Rigid contacts "
-                     "at rest show the error of the solver: two tolerances, two levels.", runs)
+        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded, in one scale. Right: a point a packing. Rigid packings "
+                     "at rest show the error of the solver, of two tolerances.", runs)
 
 
 def _loop(axis, run, exponent):
@@ -82,9 +82,9 @@ def _strains(axis, table):
     axis.axvline(1, color="k", lw=0.8, ls=":")
     axis.set(yscale="log", title="one cycle, all packings", xlabel=r"largest $\sigma_2/\sigma_1$ of the cycle over the static limit",
              ylabel=r"largest strain $|\gamma|$")
-    axis.annotate("rigid packings rest", (0.03, 0.3), xycoords="axes fraction", fontsize=11, color=style.COLOUR["CD"])
+    axis.annotate("rigid packings rest", (0.03, 0.2), xycoords="axes fraction", fontsize=11, color=style.COLOUR["CD"])
     axis.text(0.995, 0.02, "static limit ", transform=axis.get_xaxis_transform(), ha="right", fontsize=11, color=style.GREY["55"])
-    axis.legend(loc="center left", bbox_to_anchor=(0, 0.56))
+    axis.legend(loc="center left", bbox_to_anchor=(0, 0.47))
 
 
 def load_over_limit(table):
