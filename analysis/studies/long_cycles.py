@@ -33,7 +33,7 @@ ROWS = {"quick": [SOFT | dict(cd_dt=PERIODS[0] / SHARE, cycles=40, seed=1), RIGI
         + [row for period, count in CHECK.items() for row in product(**MOLECULAR | dict(period=period, cycles=count, seed=SEEDS))]
         + product(**MOLECULAR | dict(md_walls="servo"), cycles=CHECK[0.5], seed=SEEDS) + [CHECKED | FINER, CHECKED | HALF]
         + product(**SOFT | NO_SLIP | dict(cd_dt=2.0 / SHARE), cycles=NO_SLIP_COUNT, seed=SEEDS)
-        + product(**MOLECULAR | NO_SLIP, cycles=NO_SLIP_CHECK, seed=1, tangential_law=("standard", "path_independent"))}
+        + product(**MOLECULAR | NO_SLIP | dict(md_dt_factor=0.3), cycles=NO_SLIP_CHECK, seed=1, tangential_law=("standard", "path_independent"))}
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 300, 500, 750, 1000, 1500, 2000, 2500, 3000)  # last cycles of the windows
 
 
