@@ -147,7 +147,7 @@ POINTS = (
     (10, "The higher inertia of the CD method is even more clearly observed in Figure 5", "section 3, Fig. 5", "disagrees"),
     (11, "In the MD simulation, the system starts expanding slowly.", "section 3, Fig. 5", "agrees in part"),
     (13, "In this range of values, however, the CD simulated sample seems to remain unaltered.", "section 3, Fig. 5", "disagrees"),
-    (14, "In the CD simulation, the response is smoother than in the MD case.", "section 3, Fig. 5", "disagrees"),
+    (14, "In the CD simulation, the response is smoother than in the MD case.", "section 3, Fig. 5", "agrees in part"),
     (15, "There is however a critical load, beyond which, the system expands.", "section 3, Fig. 5", "agrees"),
     (16, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
      "agrees in part"),
