@@ -25,7 +25,7 @@ from yade_scripts.running import hooks, md, saved_scene
 from yade_scripts.results.provenance import git_commit
 
 # Disks times steps: about ten minutes on one core for MD, two to forty for CD, whose sweeps a step vary. Of the published studies only single runs of
-# larger_flows and many_disks, those of 6400 disks (size) and of a thousand cycles and more (long_cycles) are longer and have checkpoints.
+# larger_flows and many_disks, those of 6400 disks (size) and of cycles by the hundred (long_cycles) are longer and have checkpoints.
 INTERVAL = {"MD": 2 * 10**9, "CD": 4 * 10**7}
 SCENE, RECORD, MEMORY = "scene.yade", "record.h5", "memory.json"
 
