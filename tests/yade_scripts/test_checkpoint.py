@@ -142,7 +142,7 @@ def test_damaged_checkpoints_are_turned_down(checkpoints):
 
 
 def test_published_runs_are_too_short_for_checkpoints():
-    """No published number depends on a checkpoint, but for those of the flows named below, of 6400 disks and of cycles by the hundred: disks times steps
+    """No published number depends on a checkpoint, but for those of the flows named below, of 6400 disks and of many cycles: disks times steps
     of every row of every study, with MD's steps from its smallest possible disk."""
     import math
 
