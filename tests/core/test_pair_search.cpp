@@ -351,7 +351,8 @@ TEST_CASE("spheres are found beside facets that share a corner, each pair once")
 	for (int i = 0; i < n; i++)
 		for (int j = i + 1; j < n; j++)
 			if (w.masks[i] != 0 && w.masks[j] != 0 && !isBoundary(w.bodies[j]))
-				if (-locateContact(placeAhead(w.bodies[i], 0), placeAhead(w.bodies[j], 0), w.shapes[i]).overlap <= margins[i] + margins[j])
+				if (-locateContact(placeAhead(w.bodies[i], 0), placeAhead(w.bodies[j], 0), w.shapes[i]).overlap
+				    <= margins[i] + margins[j])
 					expected.insert({ i, j });
 	std::vector<NearPair> found;
 	NearPairsOf<Space3>().find(w, margins, found);
