@@ -287,6 +287,16 @@ def pressure(full):
     return full["pressure_ratio"] * full["kn"] / (2 * full["radius_mean"] if in_space(full) else full["depth"])
 
 
+def sphere_mass(full):
+    """Return the mass [kg] of a sphere of the mean radius."""
+    return full["density"] * 4 / 3 * math.pi * full["radius_mean"]**3
+
+
+def sphere_sags(full):
+    """Return how far [m] a sphere's weight compresses a spring of the row; 0 for rigid contacts."""
+    return sphere_mass(full) * full["gravity"] / stiffness(full) if has_springs(full) else 0.0
+
+
 def volume(full):
     """Return the volume [m^3] of the grains, as if all had the mean radius."""
     if in_space(full):

@@ -140,5 +140,8 @@ def quantities(table):
                    & (table["to cycle"] == FEWER)]
     plain = window[window.usual].iloc[0]
     finer, halved = window[window.tolerance < plain.tolerance].iloc[0], window[window.step_s < plain.step_s].iloc[0]
+    rate = soft[soft.period.isin(PERIODS)].set_index(["period", "packing", "to cycle"]).rate
+    slower = rate.xs(20, level="to cycle") / rate.xs(FEWER, level="to cycle")
     assert last["in cycle"].size == 6 and set(soft.outcome) == {"completed"}
+    assert late.rate.abs().max() < soft[soft["to cycle"] <= 50].rate.min()
     return locals() | {name: globals()[name] for name in ("CHECK", "EVENT", "STANDING", "COUNT", "FEWER", "NO_SLIP_COUNT", "NO_SLIP_CHECK")}

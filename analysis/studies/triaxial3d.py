@@ -107,8 +107,6 @@ def quantities(table):
     slower = ramp[ramp.ramp_rate == SLOWER["ramp_rate"]].set_index(["spheres", "packing"])
     pace = slower[load_at(1e-4)] / passed[RIGID][load_at(1e-4)].loc[slower.index]
     same = loop[SPRINGS].largest / loop[MD].largest
-    steps = ramp.ramp_rate.map({0.7: 9, SLOWER["ramp_rate"]: SLOWER["cycles"]}) * 375  # at most, of CD
-    missed = 100 * (ramp["unsolved steps"] / steps)[ramp.medium == RIGID].max()
     apart = (1 - ramp["static limit, lower bound"] / ramp["static limit"]).max()
     first, later, md, springs, rigid = over(1e-4), load_at(1e-2), MD, SPRINGS, RIGID
     return locals()

@@ -63,7 +63,12 @@ def test_work_of_the_walls_is_stored_kept_or_dissipated(cycles):
         run = cycles[name]
         held, lost = run.values("stored_energy") + run.values("kinetic_energy"), run.values("dissipated_energy")[-1]
         assert run.values("wall_work")[-1] - (held[-1] - held[0]) == pytest.approx(lost, rel=error), name
-        assert observables.work_error(run) == pytest.approx(0, abs=0.02) or name == "rigid"  # x and z do not strain quite alike
+
+
+def test_work_by_stress_and_strain_is_that_by_force_and_path(cycles):
+    """But for the trapezoidal rule, and since x and z do not strain quite alike. Rigid grains strain too little to compare."""
+    for name in ("springs", "MD"):
+        assert observables.work_error(cycles[name]) == pytest.approx(0, abs=0.02), name
 
 
 def test_rigid_grains_wait_for_the_static_limit(yade60):
@@ -71,7 +76,7 @@ def test_rigid_grains_wait_for_the_static_limit(yade60):
     run = yade60.load(scene="triaxial", loading="ramp", cycles=8, records_per_cycle=50, method="CD")
     below, above = cone_limits.limit_load(run.snapshots[0], run.pressure)
     load, gamma = run.values("sigma2_goal") / run.pressure, np.abs(run.values("gamma"))
-    assert 1.05 < below <= above < below * 1.001
+    assert 1.05 < below <= above < below * (1 + 2 * cone_limits.SHARPNESS)  # the load grows less than friction does
     # A tenth of a per cent of strain takes the walls' mass a time in which this ramp rises by 0.05.
     assert gamma[load < 0.9 * below].max() < 1e-5 and gamma[load > above + 0.05].min() > 1e-4
 

@@ -40,11 +40,6 @@ def disks():
     return [b for b in O.bodies if isinstance(b.shape, Sphere)]
 
 
-def in_space():
-    """Return whether a sphere can leave the plane."""
-    return any("z" not in b.state.blockedDOFs for b in disks())
-
-
 def mean_mass():
     """Return the mean mass of the disks [kg]."""
     masses = [b.state.mass for b in disks()]

@@ -39,7 +39,7 @@ def _rotation(state):
 def snapshot(boxed):
     """Return all arrays of schema.SNAPSHOT, by name; boxed: whether the six walls of the biaxial or triaxial box are there."""
     disks, contacts = bodies.disks(), bodies.contacts_by_id()
-    space = bodies.in_space()
+    space = walls.in_space()
     axes = 3 if space else 2
     return {
         "position": _rows((b.state.pos for b in disks), axes),

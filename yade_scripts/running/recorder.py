@@ -70,7 +70,7 @@ class Recorder:
         self.rows, self.count, self.load_check = [], 0, LoadCheck(full, scene.samples)
         self.bounds = Bounds(dict(full), scene.load is not None)  # of a copy: reading a value here does not count as its effect
         self.started, self.seconds = _clocks(), (0.0, 0.0)  # computing time before `started`
-        self.reference, self.first_sides = None, None
+        self.reference, self.first_sides, self.worst_across = None, None, None
         self.memory = io.BytesIO(record or b"")
         self.file = h5py.File(self.memory, "r+" if record else "w")
         if record:
@@ -124,7 +124,7 @@ class Recorder:
         self.bounds.look(row, O.iter)
         try:
             if self.scene.load is not None:
-                self.load_check.look(row | self._worst_across(row))
+                self.load_check.look(row | {"sigma1": self.worst_across})
         except Collapse:
             if self.count - 1 not in self.scene.snapshots:
                 self._snapshot(row)
@@ -147,15 +147,11 @@ class Recorder:
         if self.first_sides is None:
             self.first_sides = sides
         along, across = walls.along_and_across([length / first - 1 for length, first in zip(sides, self.first_sides)])
-        sigma2, sigma1 = walls.along_and_across(walls.mean_stresses())
-        goal = self.scene.load.goal
+        stresses, goal = walls.mean_stresses(), self.scene.load.goal
+        sigma2, sigma1 = walls.along_and_across(stresses)
+        self.worst_across = max(stresses[::2], key=lambda stress: abs(stress - goal[0]))  # of x and z; the history has their mean
         return {"sigma1": sigma1, "sigma2": sigma2, "sigma1_goal": goal[0], "sigma2_goal": goal[1], "strain1": across, "strain2": along,
                 "gamma": along - across, "wall_work": self.scene.load.work()}
-
-    def _worst_across(self, row):
-        """Return sigma1 of the side that is farthest from its goal; the history has the mean of x and z."""
-        across = walls.mean_stresses()[::2]
-        return {"sigma1": max(across, key=lambda stress: abs(stress - row["sigma1_goal"]))}
 
     def _md(self, row):
         """Return MD's energies. If the friction is not summed, the dissipated energy is computed from the energy balance."""

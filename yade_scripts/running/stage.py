@@ -19,8 +19,7 @@ class Ground:
 
     def __init__(self, full):
         self.full, self.radius, self.time = full, full["radius_mean"], full["period"] * full["cycles"]
-        space = parameters.in_space(full)
-        self.mass = full["density"] * 4 / 3 * math.pi * self.radius**3 if space else bodies.disk_mass(self.radius, full)
+        self.mass = parameters.sphere_mass(full) if parameters.in_space(full) else bodies.disk_mass(self.radius, full)
         bodies.append_material("disk", full["friction"], full)
 
     @functools.cached_property

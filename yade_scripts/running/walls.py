@@ -5,7 +5,7 @@ Direction 1 is x, 2 is y (paper, section 2.1), and 3 is z, which only spheres lo
 face. Stresses [Pa] are positive in compression: a wall force over the wall's area (other side times depth).
 """
 from yade import O, utils
-from yade.wrapper import TriaxialStressController
+from yade.wrapper import Sphere, TriaxialStressController
 
 from yade_scripts.running import hooks
 from yade_scripts.running.sums import total
@@ -13,12 +13,12 @@ from yade_scripts.running.sums import total
 X_LOW, X_HIGH, Y_LOW, Y_HIGH, Z_LOW, Z_HIGH = range(6)
 # (axis, low wall, high wall)
 DIRECTIONS = ((0, X_LOW, X_HIGH), (1, Y_LOW, Y_HIGH), (2, Z_LOW, Z_HIGH))
-FIRST_GRAIN = 6
 
 
 def in_space():
-    """Return whether the grains in the box are spheres that move in space, not disks."""
-    return "z" not in O.bodies[FIRST_GRAIN].state.blockedDOFs
+    """Return whether the grains are spheres that move in space, not disks; by the first one."""
+    first = next(body for body in O.bodies if isinstance(body.shape, Sphere))
+    return "z" not in first.state.blockedDOFs
 
 
 def directions():

@@ -27,8 +27,8 @@ def check(full):
     least = math.degrees(math.atan(3.5 * full["friction"] * (1 + parameters.restitution(full))))
     if full["impact_angle"] <= least:
         raise ParameterError(f"impact_angle = {full['impact_angle']}: must exceed {least:.3g} degrees, below which the sphere sticks")
-    mass = full["density"] * 4 / 3 * math.pi * full["radius_mean"]**3
-    lasts, left = 2 * math.pi * math.sqrt(mass / parameters.stiffness(full)), full["period"] * full["cycles"] / 2
+    lasts = 2 * math.pi * math.sqrt(parameters.sphere_mass(full) / parameters.stiffness(full))
+    left = full["period"] * full["cycles"] / 2
     if parameters.has_springs(full) and lasts > left:
         raise ParameterError(f"kn = {full['kn']}: the impact may last {lasts:.2g} s, longer than the run; take stiffer springs, or a period of "
                              f"{2 * lasts / full['cycles']:.2g} s")

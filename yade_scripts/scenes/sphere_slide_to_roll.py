@@ -18,8 +18,7 @@ WAY = 0.8, 0.6  # along x and z: no axis of the scene
 
 def check(full):
     """Check that the sphere rolls before the end, and that springs are stiff enough to hold it."""
-    sag = full["density"] * 4 / 3 * math.pi * full["radius_mean"]**3 * full["gravity"] / parameters.stiffness(full)
-    if parameters.has_springs(full) and sag > 0.1 * full["radius_mean"]:
+    if (sag := parameters.sphere_sags(full)) > 0.1 * full["radius_mean"]:
         raise ParameterError(f"kn = {full['kn']}: the sphere would sink in by {sag:.2g} m, more than a tenth of its radius; take stiffer springs")
     rolls, end = 2 * full["speed"] / (7 * full["friction"] * full["gravity"]), full["period"] * full["cycles"]
     if rolls >= end:

@@ -25,8 +25,7 @@ def check(full):
             raise ParameterError(f"{name} = {full[name]}: the forces in the tube are known without it only: set {name} = 0")
     if full["disks"] < 2:
         raise ParameterError(f"disks = {full['disks']}: a tube needs two spheres at least")
-    weight = full["disks"] * full["density"] * 4 / 3 * math.pi * full["radius_mean"]**3 * full["gravity"]
-    if parameters.has_springs(full) and 10 * weight > full["radius_mean"] * parameters.stiffness(full):
+    if full["disks"] * parameters.sphere_sags(full) > 0.1 * full["radius_mean"]:
         raise ParameterError(f"kn = {full['kn']}: the weight of all spheres would compress a spring by more than a tenth of a radius; take "
                              "stiffer ones")
 
