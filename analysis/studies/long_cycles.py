@@ -73,7 +73,8 @@ def draw(runs, rows, path):
     """Draw the strain against the number of the cycle for one period, and the strain a cycle for all periods."""
     fig, (left, right) = plt.subplots(1, 2, figsize=(10, 4.2))
     table = pandas.DataFrame(rows)
-    for packing, own in molecular()[PERIODS[0]].items():
+    for packing in sorted({run.parameters["seed"] for run in runs}):
+        own = molecular()[PERIODS[0]][packing]
         left.plot(own.index, own, ls="", marker="o", mfc="none", color=COLOUR[MD], label=MD if packing == SEEDS[0] else None)
     for run in runs:
         row = run.parameters
