@@ -22,7 +22,7 @@ def helpers():
     for task in pathlib.Path("/proc/self/task").iterdir():
         try:
             names.append((task / "comm").read_text().strip())
-        except FileNotFoundError:  # the thread has ended meanwhile
+        except (FileNotFoundError, ProcessLookupError):  # the thread has ended before the file was opened, or before it was read
             pass
     return names.count("cd_engine")
 
