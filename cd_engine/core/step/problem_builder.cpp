@@ -96,15 +96,10 @@ void ProblemBuilder<Plane>::moveOn(const StepView<Plane>& step, double kn, Conta
 void ProblemBuilder<Plane>::demandRebound(
     const StepView<Plane>& step, const ContactFinder<Plane>& finder, std::size_t contact, ContactRow<Plane>& c, double turned)
 {
+	const int32_t pair = finder.pairs()[contact];
 	const Body &a = step.world.bodies[c.a], &b = step.world.bodies[c.b];
-	const double gap = finder.gap(step.world, finder.pairs()[contact]);
 	const double un = relativeVelocity<false>(c, motionOf<Plane>(a.v), motionOf<Plane>(b.v)).n;
-	const double e = step.world.restitutions.empty() ? step.settings.restitution : step.world.restitutions[finder.pairs()[contact]];
-	const bool hit = e > 0 && un < 0 && gap + turned + step.dt() * un <= 0, parts = e > 0 && gap <= 0 && un > 0;
-	const double rebound = hit || parts ? e * un : std::numeric_limits<double>::quiet_NaN();
-	rebounds.set(contact, c.bias, rebound);
-	if (hit || parts)
-		c.bias = Rebounds<Plane>::bias(c.bias, rebound);
+	c.bias = rebounds.demand(contact, step, pair, { finder.gap(step.world, pair), turned, un }, c.bias);
 }
 
 // Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.

@@ -120,13 +120,7 @@ void ProblemBuilder<Space3>::demandRebound(
 	const double* const a = c.a < count ? step.world.bodies[c.a].v : step.bodies[c.a].v;
 	const double un = relativeVelocity<false>(c, motionOf<Space3>(a), motionOf<Space3>(step.world.bodies[c.b].v)).n;
 	const int32_t pair = finder.pairs()[contact];
-	const double gap = finder.gap(step.world, pair),
-		     e = step.world.restitutions.empty() ? step.settings.restitution : step.world.restitutions[pair];
-	const bool hit = e > 0 && un < 0 && gap + turned + step.dt() * un <= 0, parts = e > 0 && gap <= 0 && un > 0;
-	const double rebound = hit || parts ? e * un : std::numeric_limits<double>::quiet_NaN();
-	rebounds.set(contact, c.bias, rebound);
-	if (hit || parts)
-		c.bias = Rebounds<Space3>::bias(c.bias, rebound);
+	c.bias = rebounds.demand(contact, step, pair, { finder.gap(step.world, pair), turned, un }, c.bias);
 }
 
 void ProblemBuilder<Space3>::fill(const StepView<Space3>& step, const ContactFinder<Space3>& finder, ContactSystem<Space3>& system, std::size_t first)

@@ -1,9 +1,12 @@
 #include "step/rebounds.hpp"
 
+#include "step/view_in_space.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 namespace cd {
 namespace {
@@ -13,12 +16,33 @@ namespace {
 
 	constexpr double roundOff = 1e-13; // relative, of energies, which are sums
 
+	// The speed that the forces of the step give a body [m/s].
+	template <class Space> double gained(const StepView<Space>& step, int32_t body)
+	{
+		const BodyOf<Space>& own = step.world.bodies[body];
+		double square = 0;
+		for (int k = 0; k < Space::components; k++)
+			square += own.inverseMass[k] * own.force[k] * own.inverseMass[k] * own.force[k];
+		return step.dt() * std::sqrt(square);
+	}
+
 } // namespace
 
 template <class Space> bool Rebounds<Space>::any() const
 {
 	return std::any_of(
 	    demands.begin(), demands.end(), [](const Demand& d) { return !std::isnan(d.rebound) && bias(d.plain, d.rebound) != bias(d.plain, 0); });
+}
+
+template <class Space>
+double Rebounds<Space>::demand(std::size_t contact, const StepView<Space>& step, int32_t pair, const Approach& now, double plain)
+{
+	const double e = step.world.restitutions.empty() ? step.settings.restitution : step.world.restitutions[pair];
+	const double un = now.un, slow = std::max(gained<Space>(step, step.world.pairs[pair].a), gained<Space>(step, step.world.pairs[pair].b));
+	const bool hits = un < -slow && now.gap + now.turned + step.dt() * un <= 0, parts = un > slow && now.gap <= 0;
+	const bool rebounds = e > 0 && (hits || parts);
+	demands[contact] = { plain, rebounds ? e * un : std::numeric_limits<double>::quiet_NaN() };
+	return rebounds ? bias(plain, e * un) : plain;
 }
 
 template <class Space> void Rebounds<Space>::findIslands(const ContactSystem& system)

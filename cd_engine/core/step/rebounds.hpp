@@ -6,6 +6,9 @@
 // also if it separates already: impacts elsewhere on its bodies may push it back at up to e u_n. Without friction the energy of the step then changes
 // by -(1 - e)/(1 + e) p.W p/2 <= 0, however the contacts are coupled. A law that demands u_n' >= 0 of separating contacts creates energy.
 //
+// Contacts do not rebound at speeds up to what the forces of the step give one of their bodies: they would close again within two steps, which no
+// step resolves. So a packing comes to rest. It rattled on without this: 1900 spheres with e = 0.5 in a silo took 150 sweeps a step instead of 4.
+//
 // With friction the same law can create energy where contacts are coupled (Kane and Levinson 1985); with e = 0 it cannot. So e is lowered in the
 // islands of contacts that would create energy, until they do not. A disk wedged between two faces may be unable to leave both as fast as
 // the law demands, so that the step has no solution. Then e is set to 0 at once in its island, as in islands that create energy in a step that is
@@ -21,6 +24,8 @@
 
 namespace cd {
 
+template <class Space> struct StepView;
+
 template <class Space> class Rebounds {
 	using ContactSystem = cd::ContactSystem<Space>;
 
@@ -29,17 +34,18 @@ template <class Space> class Rebounds {
 	// that is solved again is solved at least to this tolerance.
 	static constexpr double mostGain = 1e-5;
 
-	// The bias of a contact in an impact: e u_n, or the bias of its gap if this one pushes harder (plain < 0).
-	static double bias(double plain, double rebound) { return plain < 0 && plain < rebound ? plain : rebound; }
-
 	// A new step, of so many contacts; 0: none rebounds.
 	void restart(std::size_t contacts)
 	{
 		demands.resize(contacts);
 		balances.clear();
 	}
-	// For a contact of the system: its bias without restitution, and e u_n [m/s], or NaN if the contact has no part in an impact.
-	void set(std::size_t contact, double plain, double rebound) { demands[contact] = { plain, rebound }; }
+	// Of a contact of the system, before the step: gap, what turning faces change of it in the step [m], normal velocity [m/s].
+	struct Approach {
+		double gap, turned, un;
+	};
+	// Notes what restitution asks of the contact of a pair, with the bias `plain`. Returns its bias.
+	double demand(std::size_t contact, const StepView<Space>&, int32_t pair, const Approach&, double plain);
 	// Whether any contact has a part in an impact.
 	bool any() const;
 
@@ -57,9 +63,12 @@ template <class Space> class Rebounds {
 	bool giveUp(ContactSystem&, int32_t row);
 
     private:
-	struct Demand { // as given to set()
-		double plain, rebound;
+	struct Demand {
+		double plain; // bias without restitution [m/s]
+		double rebound; // e u_n [m/s]; NaN: the contact has no part in an impact
 	};
+	// The bias of a contact in an impact: e u_n, or the bias of its gap if this one pushes harder (plain < 0).
+	static double bias(double plain, double rebound) { return plain < 0 && plain < rebound ? plain : rebound; }
 	// Balance of an island, stored at the body that names the island.
 	struct Balance {
 		double sinceBefore = 0, sinceFree = 0; // work of its impulses, from the velocities before the step and from the free ones on [J]

@@ -23,6 +23,7 @@ MEASURE = {
     "sweeps": sweeps.measure,
     "step": lambda folder, **settings: [problems.in_yade("step", settings)],
     "flow": lambda folder, **settings: [problems.in_yade("flow", settings)],
+    "community": lambda folder, **settings: problems.in_yade("community", settings),
     "threads": lambda folder, **settings: problems.in_yade("threads", settings),
 }
 
@@ -95,6 +96,16 @@ def _plane(files):
     return [settings for settings in _of_files(files) if core.read_problem(settings["path"]).dimension == 2]
 
 
+def _community():
+    """Return pieces of community.py: fewer, larger grains for what is compared, all grains for the cost."""
+    silo, window = dict(case="silo", material=("M1", "M2"), orifice=("small", "large")), {"seed": 1, "window": 100}
+    return _pieces("community", product(**silo, seed=(1, 2, 3), larger=3.0, softer=100.0, seconds=1.0),
+                   product(case="silo", material="M1", orifice="large", seed=1, larger=3.0, softer=10.0, seconds=1.0),
+                   product(case="drum", seed=(1, 2, 3), larger=2.0, softer=100.0, seconds=2.0),
+                   product(case="penetration", seed=(1, 2, 3), larger=2.0),
+                   product(case="penetration", **window), product(case="drum", **window), product(**silo | {"material": "M1"}, **window))
+
+
 def quick(files):
     """Return the pieces of a benchmark of two minutes: small packings, a row or two in each table."""
     peer = siconos.available() is None
@@ -104,6 +115,7 @@ def quick(files):
             + _pieces("sweeps", product(disks=400, copies=(1, 10), rounds=3, peer=peer))
             + _pieces("step", product(rows=20, columns=20, tolerance=1e-4, steps=100, order="built"))
             + _pieces("flow", product(scene="hopper", disks=600, springs=False, tolerance=(1e-3, 0.0), steps=40))
+            + _pieces("community", product(case="penetration", larger=4.0, softer=10.0))
             + _pieces("threads", product(rows=20, columns=20, tolerance=1e-4, steps=100)))
 
 
@@ -129,5 +141,6 @@ def full(files):
             + _pieces("flow", *(product(scene=scene, disks=disks, springs=springs, tolerance=tolerance, steps=300)
                                 for scene, disks in (("drum", 2000), ("hopper", 600))
                                 for springs, tolerance in ((False, (1e-3, 1e-4, 0.0)), (True, (1e-3, 1e-4)))))
+            + _community()
             + _pieces("threads", *(product(rows=20, columns=columns, tolerance=1e-4, steps=steps) for columns, steps in ((200, 2000), (2000, 300))))
             + _solve(_packings(40000, 1, BOTH), targets=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6), **longer))
