@@ -1,11 +1,6 @@
 """Map of springs in Contact Dynamics: time step against load, for a load cycle of packings of three stiffnesses."""
-import functools
-import math
-
-from yade_scripts import parameters, results, scenes
 from yade_scripts.measuring.maps import Axis, INACCURATE, Map, NOT_SOLVED, UNSTABLE, judged, lines, logarithmic, product
 
-DISKS = 100
 FINEST, STRICT = 1e-4, 1e-3  # step [s] and tolerance of the truth
 OFF, FAR_OFF = 0.01, 0.5
 # Of the full and of the quick map.
@@ -33,33 +28,15 @@ MAP = Map(
 
 
 def probe(case):
-    from yade_scripts.measuring import rigid
-    from yade_scripts.running import bodies
-    exact = truth(case["delta_sigma"], case["stiffening"])
-    found, engine = cycle(case)
-    errors = [(one - true) / exact[0] for one, true in zip(found, exact)]
-    worst = max(map(abs, errors))
-    measures = {"peak_error": errors[0], "rest_error": errors[1], "sweeps": engine.totalIterations / engine.steps,
-                "unconverged": engine.unconvergedSteps / engine.steps}
+    from yade_scripts.measuring import packing_cycle, rigid
+    from yade_scripts.running import bodies, hooks
+    row = {"method": "CD", "cd_contacts": "springs"} | {name: case[name] for name in ("delta_sigma", "stiffening")}
+    found = packing_cycle.cycle(cd_dt=case["dt"], tolerance=case["tolerance"], **row)
+    engine = hooks.engine("ContactDynamics")
     told = rigid.told(engine, min(body.shape.radius for body in bodies.disks()))
-    return judged(measures, told, (UNSTABLE, "wrong motion", not worst <= FAR_OFF), (NOT_SOLVED, "non-convergence", engine.unconvergedSteps),
+    sweeps, missed = engine.totalIterations / engine.steps, engine.unconvergedSteps / engine.steps
+    errors = packing_cycle.errors(found, cd_dt=FINEST, tolerance=STRICT, **row)
+    worst = max(map(abs, errors))
+    measures = {"peak_error": errors[0], "rest_error": errors[1], "sweeps": sweeps, "unconverged": missed}
+    return judged(measures, told, (UNSTABLE, "wrong motion", not worst <= FAR_OFF), (NOT_SOLVED, "non-convergence", missed),
                   (INACCURATE, "wrong motion", worst > OFF))
-
-
-@functools.cache
-def truth(delta_sigma, stiffening):
-    return cycle({"delta_sigma": delta_sigma, "stiffening": stiffening, "dt": FINEST, "tolerance": STRICT})[0]
-
-
-def cycle(case):
-    """Return (gamma at the peak of the load and at the end, the engine) of a cycle with steps of dt [s] at most. Two samples: half the cycle each."""
-    from yade_scripts.running import hooks, walls
-    full = parameters.complete({"disks": DISKS, "method": "CD", "cd_contacts": "springs", "loading": "cosine", "records_per_cycle": 2,
-                                "cd_dt": case["dt"]} | {name: case[name] for name in ("delta_sigma", "stiffening", "tolerance")})
-    scene = scenes.build(full, results.FOLDER)
-    sides, strains = walls.sides(), []
-    for _ in range(scene.samples):
-        hooks.simulate(scene.every)
-        strains.append(walls.gamma(sides))
-    assert all(map(math.isfinite, strains))
-    return strains, hooks.engine("ContactDynamics")

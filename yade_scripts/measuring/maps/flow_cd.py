@@ -1,0 +1,20 @@
+"""Map of CD in a flow: time step against tolerance, with and without a correction of overlaps."""
+from yade_scripts.measuring import filling
+from yade_scripts.measuring.maps import Axis, Map, lines, logarithmic, product
+
+CORRECTION = {True: (0.0, 0.1), False: (0.0,)}  # of the full and of the quick map
+STEPS = {True: logarithmic(2.5e-4, 1.6e-2, 7), False: (1e-3, 8e-3)}  # [s]
+
+MAP = Map(
+    group=filling.GROUP, order=14,
+    title="Flows: rigid contacts",
+    question="Which step and tolerance give the height of a filling?",
+    criterion=filling.CRITERION,
+    remedy="The engine warns of overlaps. Take the step that timeStep() proposes and a tolerance of 1e-3; a gap correction of 0.1 allows larger ones.",
+    x=Axis("tolerance", "tolerance"), y=Axis("cd_dt", "step dt [s]"), panels="gap_correction", measures=filling.MEASURES,
+    grid=lambda full: product(gap_correction=CORRECTION[full], cd_dt=STEPS[full], tolerance=logarithmic(1e-4, 1.0, 7) if full else (1e-3, 0.1)),
+    searches=lambda full: lines("tolerance", 1e-4, 1.0, 1.2 if full else 5.0, gap_correction=CORRECTION[full], cd_dt=STEPS[full][:-2] or STEPS[full]))
+
+
+def probe(case):
+    return filling.judge(method="CD", **case)
