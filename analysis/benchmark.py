@@ -18,6 +18,7 @@ LOOK = {**{name: (style.GREY["77"], marker) for name, marker in zip(PEERS, "v<>P
 TARGET_LOOK = {1e-4: (style.BLUE, "o"), 1e-6: (style.GREEN, "s"), 1e-8: (style.VERMILION, "^")}
 PANELS = 6
 LEGEND = 6  # entries in a line
+VALUES = {"silo": "share of the spheres that have left", "drum": "share of M1 at the lower right", "penetration": "depth over the sphere's diameter"}
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
 OF_SOLUTIONS = dict(texts=("status", "problem", "kind", "start", "method"),
@@ -25,7 +26,8 @@ OF_SOLUTIONS = dict(texts=("status", "problem", "kind", "start", "method"),
 COLUMNS = {"solutions": OF_SOLUTIONS, "space": OF_SOLUTIONS, "spheres": OF_SOLUTIONS,
            "sweeps": dict(numbers=("disks", "contacts", "accelerated_ns", "bound_plain_ns", "bound_accelerated_ns", "bytes_plain",
                                    "bytes_accelerated", "bandwidth_gb_per_s")),
-           "step": dict(texts=("order",), numbers=("disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs"))}
+           "step": dict(texts=("order",), numbers=("disks", "contacts", "tolerance", "ns_a_contact", "seconds_of_springs")),
+           "community": dict(texts=("case", "method"), numbers=("seed", "larger", "softer", "t", "value"))}
 
 
 def draw(folder):
@@ -40,7 +42,8 @@ def draw(folder):
             (error_in_space, "space", f"{time}; contact problems in space; the error is computed anew from the impulses."),
             (error_of_spheres, "spheres", f"{time}; packings of spheres from zero impulses; the error is computed anew from the impulses."),
             (sweep_cost, "sweeps", f"{time}."), (sweeps_against_size, "solutions", "Medians over the seeds; bars: their range."),
-            (step_cost, "step", f"{time}.")):
+            (step_cost, "step", f"{time}."),
+            (community, "community", "Lines: runs from the same initial states, one a seed; fewer and larger grains than in the benchmark.")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
         if len(tables[name]) and (fig := figure(tables[name], of_table)):
             for axis in fig.axes:
@@ -134,6 +137,20 @@ def step_cost(rows, origin):
     axis.set(xlabel="disks", ylabel="ns per contact and step", yticks=(100, 200, 500, 1000), yticklabels=("100", "200", "500", "1000"),
              title="A whole step of a packing at rest, one thread")
     axis.legend(fontsize=7)
+    return fig
+
+
+def community(rows, origin):
+    """Draw the community's benchmark: what both methods make of the same initial states."""
+    curves = rows[rows.t.notna()].fillna({"orifice": "", "material": ""})
+    groups = list(curves.groupby(["case", "material"], sort=False))
+    fig, axes = plt.subplots(1, len(groups), figsize=(3.3 * len(groups) + 0.4, 3.9), squeeze=False)
+    for axis, ((case, material), group) in zip(axes[0], groups):
+        for keys, run in group.groupby(["method", "orifice", "seed", "softer"], sort=False):
+            axis.plot(run.t, run.value, color=style.COLOUR[keys[0]], lw=0.9, ls="--" if keys[1] == "small" else "-")
+        axis.set(xlabel="time [s]", ylabel=VALUES[case], title=f"{case} {material}".strip())
+    style.legend(axes[0, 0], [dict(color=style.COLOUR["CD"], label="Contact Dynamics"), dict(color=style.COLOUR["MD"], label="YADE's springs"),
+                              dict(color=style.GREY["77"], ls="--", label="small orifice")], fontsize=7)
     return fig
 
 

@@ -10,9 +10,9 @@ SEEDS = 1, 2, 3
 TRUTH = dict(method="CD", cd_dt=2.5e-4, tolerance=1e-4)
 OFF, FAR_OFF = 0.03, 0.2  # of the height. Means of three seeds differ by 1 % by chance
 DEEP = 0.1  # largest overlap over the mean radius
-CRITERION = ("200 disks fall into a box; means of three seeds. Inaccurate: the height of the filling differs by more than 3 % from that of rigid grains "
-             "with steps of 0.25 ms and a tolerance of 1e-4, or disks overlap by more than a tenth of the radius. Unstable: by more than 20 %, or a "
-             "run ends as unstable.")
+CRITERION = ("200 disks fall into a box; means of three seeds. Inaccurate: the height of the filling differs by more than 3 % from that of rigid "
+             "grains with steps of 0.25 ms and a tolerance of 1e-4, or disks overlap by more than a tenth of the radius. Unstable: by more than "
+             "20 %, or a run ends as unstable.")
 MEASURES = {"height": "mean height of the filling over that of disks without pores", "overlap": "largest overlap over the mean radius"}
 GROUP = "Where the mean of a flow fails"
 
