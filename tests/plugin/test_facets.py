@@ -130,3 +130,34 @@ def test_facets_are_two_sided(O):
     above, below = ball((0, 0, 0.3), 0.1, mat, velocity=(0, 0, -1)), ball((0, 0, -0.3), 0.1, mat, velocity=(0, 0, 1))
     run(400, 1e-3, gravity=(0, 0, 0), restitution=1)
     assert O.bodies[above].state.vel[2] == pytest.approx(1) and O.bodies[below].state.vel[2] == pytest.approx(-1)
+
+
+@pytest.mark.parametrize("theta", [0.05, 0.2, 0.4, 0.8])
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.8])
+@pytest.mark.parametrize("phase", [0.1, 0.45, 0.8])
+def test_a_valley_at_long_steps(O, theta, share, phase):
+    """A step may move the sphere past the place where the foot of its centre first falls on the next face, R (tan t - tan(t/2)) before it touches it:
+    0.025 radii at 0.05. It does not sink in, and goes on along this face."""
+    mat, radius = material(0), 0.1
+    up = np.array([math.cos(theta), 0, math.sin(theta)])
+    floor, slope = [(-1, -1, 0), (0, -1, 0), (0, 1, 0), (-1, 1, 0)], [(0, -1, 0), (*up - [0, 1, 0],), (*up + [0, 1, 0],), (0, 1, 0)]
+    mesh([[q[0], q[1], q[2]] for q in (floor, slope)] + [[q[0], q[2], q[3]] for q in (floor, slope)], mat)
+    way = share * radius
+    state = O.bodies[ball((-radius * math.tan(theta / 2) - (5 + phase) * way, 0.13, radius), radius, mat, velocity=(1, 0, 0))].state
+    engine = run(12, way, gravity=(0, 0, 0), tolerance=1e-13)
+    assert engine.deepestPenetration < 1e-12 * radius
+    assert vector(state.vel) == pytest.approx(state.vel.norm() * up, abs=1e-12)
+    assert vector(state.pos) @ [-up[2], 0, up[0]] >= radius * (1 - 1e-12)
+
+
+@pytest.mark.parametrize("gap", [0.6, 1.2])
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.8])
+def test_nothing_stands_beyond_the_end_of_a_wall_on_a_floor(O, gap, share):
+    """A sphere rolls past the ends of a wall and of a kerb, each around a concave edge from the floor: it touches the floor only."""
+    mat, radius = material(0.5), 0.1
+    floor = [(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)]
+    wall, kerb = [(0, 0, 0), (0, 2, 0), (0, 2, 1), (0, 0, 1)], [(0.4, 0, 0), (0.4, 2, 0), (0.5, 2, 0.03), (0.5, 0, 0.03)]
+    mesh([[q[0], q[1], q[2]] for q in (floor, wall, kerb)] + [[q[0], q[2], q[3]] for q in (floor, wall, kerb)], mat)
+    state = O.bodies[ball((-0.5, -(1 + gap) * radius, radius), radius, mat, velocity=(1, 0, 0), spin=(0, 1 / radius, 0))].state
+    run(round(1.2 / (share * radius)), share * radius)
+    assert vector(state.vel) == pytest.approx((1, 0, 0), abs=1e-12) and state.pos[2] == pytest.approx(radius, abs=1e-13)

@@ -69,15 +69,19 @@ namespace {
 		return 1 / length(n) * n;
 	}
 
+	SpaceFoot footOnPlane(const SpaceShape& facet, const Vector3& centre)
+	{
+		const Vector3 n = normalOf(facet);
+		const double above = dot(n, centre - facet.part[0]);
+		return { above < 0 ? -n : n, std::abs(above), false };
+	}
+
 	SpaceFoot footOnFacet(const SpaceShape& facet, const Vector3& centre)
 	{
 		bool feature;
 		const Vector3 way = centre - nearestOnTriangle(facet.part, centre, feature);
-		if (!feature) { // its distance is known better from the plane
-			const Vector3 n = normalOf(facet);
-			const double above = dot(n, centre - facet.part[0]);
-			return { above < 0 ? -n : n, std::abs(above), false };
-		}
+		if (!feature) // its distance is known better from the plane
+			return footOnPlane(facet, centre);
 		const double distance = length(way);
 		return distance > 0 ? SpaceFoot { 1 / distance * way, distance, true } : SpaceFoot { normalOf(facet), 0, false };
 	}
@@ -163,6 +167,14 @@ SpaceFoot footOnBoundary(const SpaceShape& shape, const Vector3& centre)
 	if (shape.kind == ShapeKind::facet)
 		return footOnFacet(shape, centre);
 	return footOnWall(shape, shape.sense != 0 ? shape.sense : std::copysign(1., centre[shape.axis]), centre);
+}
+
+bool footBeyondEdge(const SpaceShape& facet, const Vector3& centre, Vector3& nearest, SpaceFoot& foot)
+{
+	bool feature;
+	nearest = nearestOnTriangle(facet.part, centre, feature);
+	foot = footOnPlane(facet, centre);
+	return feature && !(nearest == facet.part[0] || nearest == facet.part[1] || nearest == facet.part[2]);
 }
 
 bool comesThrough(const SpaceShape& was, const Vector3& before, const SpaceShape& shape, const Vector3& now, SpaceFoot& face)

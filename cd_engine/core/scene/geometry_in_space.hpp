@@ -39,6 +39,10 @@ inline SpaceTouch locateContact(const SpacePlace& a, const SpacePlace& b, const 
 	return touchAt(foot.n, foot.distance - b.radius, b);
 }
 
+// Of a facet whose point nearest to a sphere's centre lies on an edge, not at a corner: this point, and the foot on the facet's plane beyond the
+// edge. Returns whether it is so. centre: as above.
+bool footBeyondEdge(const SpaceShape& facet, const Vector3& centre, Vector3& nearest, SpaceFoot& foot);
+
 // Whether the centre of a sphere came through a face on its way to where it is now, and if so, through which. before, now: the sphere from the
 // boundary; was, shape: the boundary.
 bool comesThrough(const SpaceShape& was, const Vector3& before, const SpaceShape& shape, const Vector3& now, SpaceFoot& face);

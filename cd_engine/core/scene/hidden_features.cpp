@@ -53,16 +53,49 @@ bool HiddenFeatures::covers(const Standing& s, std::size_t other, std::size_t in
 	return dt * dot(speed(pair) - speed(by), there.n) <= small; // else it comes out
 }
 
+template <class Visit> bool HiddenFeatures::anyCovering(const Standing& s, std::size_t index, double dt, const Visit& visit) const
+{
+	const int32_t sphere = s.world.pairs[index].b;
+	auto other = std::lower_bound(near.begin(), near.end(), sphere, [](const Near& n, int32_t b) { return n.sphere < b; });
+	for (; other != near.end() && other->sphere == sphere; other++) {
+		const auto pair = static_cast<std::size_t>(other->pair);
+		if (pair != index && covers(s, pair, index, dt) && visit(pair))
+			return true;
+	}
+	return false;
+}
+
 bool HiddenFeatures::isHidden(const Standing& s, std::size_t index, double dt) const
 {
 	const Pair& pair = s.world.pairs[index];
-	if (!isBoundary(s.places[pair.a]) || !isGuided(s.world.bodyOf(pair.a)))
+	return isBoundary(s.places[pair.a]) && isGuided(s.world.bodyOf(pair.a)) && anyCovering(s, index, dt, [](std::size_t) { return true; });
+}
+
+bool HiddenFeatures::meetsAhead(const Standing& s, std::size_t index, double dt, SpaceMeeting& ahead) const
+{
+	const Pair& pair = s.world.pairs[index];
+	const SpaceShape& facet = s.shapes[pair.a];
+	const SpacePlace& sphere = s.places[pair.b];
+	Vector3 nearest;
+	SpaceFoot foot;
+	if (facet.kind != ShapeKind::facet || !footBeyondEdge(facet, sphere.at - s.places[pair.a].at, nearest, foot))
 		return false;
-	auto other = std::lower_bound(near.begin(), near.end(), pair.b, [](const Near& n, int32_t sphere) { return n.sphere < sphere; });
-	for (; other != near.end() && other->sphere == pair.b; other++)
-		if (other->pair != static_cast<int32_t>(index) && covers(s, static_cast<std::size_t>(other->pair), index, dt))
-			return true;
-	return false;
+	ahead = { foot.n, sphere.radius - foot.distance };
+	const double small = flush * sphere.radius;
+	bool concave = false;
+	const bool flat = anyCovering(s, index, dt, [&](std::size_t other) {
+		if (isFeature(s, s.world.pairs[other]))
+			return false;
+		double lowest = endless, highest = -endless;
+		for (const Vector3& corner : facet.part) {
+			const double above = dot(s.meetings[other].n, corner - nearest);
+			lowest = std::min(lowest, above);
+			highest = std::max(highest, above);
+		}
+		concave = concave || (lowest >= -small && highest > small);
+		return lowest >= -small && highest <= small; // it lies in the facet's plane, and meets the sphere there
+	});
+	return concave && !flat;
 }
 
 } // namespace cd

@@ -5,6 +5,9 @@
 // intersection of its normal cones in all boundaries that meet there: if and only if the point is the nearest one of each of them. So a contact is
 // covered if its point lies on or behind another boundary that is nearer to the sphere. Flat and concave edges give no contact in this way, faces
 // come first, and what several boundaries share counts once. No neighbours are looked up, so corners may be given twice, and may lie on edges.
+// A sphere over one face meets the next one around a concave edge before the foot of its centre falls on it: there the plane of this facet goes on,
+// below the face under the sphere. Else a sphere that moves by more than R (tan t - tan(t/2)) in a step, about half its radius times the angle t
+// between the faces, would pass this place unseen and sink in.
 // Only boundaries that no force moves take part, because where others are at the end of a step is known only when it is solved.
 #pragma once
 
@@ -34,12 +37,18 @@ class HiddenFeatures {
 	void list(const WorldOf<Space3>&);
 	// Whether the contact of a pair is covered during a step dt [s].
 	bool isHidden(const Standing&, std::size_t pair, double dt) const;
+	// Of a pair that is covered: whether its facet lies next, around a concave edge, to a face that covers it. Then `ahead` is how the sphere
+	// meets the plane of the facet.
+	bool meetsAhead(const Standing&, std::size_t pair, double dt, SpaceMeeting& ahead) const;
 
     private:
 	struct Near {
 		int32_t sphere, pair;
 	};
 	bool covers(const Standing&, std::size_t other, std::size_t pair, double dt) const;
+	// Calls visit(other) for each other pair of the same sphere and a boundary that covers this one, until it returns true. Returns whether it
+	// did.
+	template <class Visit> bool anyCovering(const Standing&, std::size_t pair, double dt, const Visit& visit) const;
 
 	std::vector<Near> near; // sorted by the spheres
 	long listing = 0; // World::listing of the last call

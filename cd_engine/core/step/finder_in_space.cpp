@@ -8,6 +8,8 @@ namespace {
 
 	using namespace contact_limits;
 
+	constexpr uint8_t facetAhead = 2; // of a contact: with a facet around a concave edge
+
 	SpaceMeeting meet(const SpacePlace& a, const SpacePlace& b, const SpaceShape& shape)
 	{
 		const SpaceFoot foot = locateFoot(a, b, shape);
@@ -35,18 +37,23 @@ namespace {
 
 } // namespace
 
+HiddenFeatures::Standing ContactFinder<Space3>::standing(const StepView<Space3>& step) const
+{
+	return { step.world, step.motion.places(), step.motion.shapes(), meetings };
+}
+
 bool ContactFinder<Space3>::isHidden(const StepView<Space3>& step, std::size_t pair) const
 {
-	return features.isHidden({ step.world, step.motion.places(), step.motion.shapes(), meetings }, pair, step.dt());
+	return features.isHidden(standing(step), pair, step.dt());
 }
 
 // Whether a pair is closed, or would be closed within the step by its velocities before the step or by its free velocities.
-bool ContactFinder<Space3>::closes(const StepView<Space3>& step, std::size_t index, double gap) const
+bool ContactFinder<Space3>::closes(const StepView<Space3>& step, std::size_t index, const SpaceMeeting& met, double gap) const
 {
 	if (gap <= 0)
 		return true;
 	const Pair& pair = step.world.pairs[index];
-	const SpaceTouch at = touch(step, index);
+	const SpaceTouch at = touchAt(met.n, -met.overlap, step.place(pair.b));
 	const double before = step.approach(pair, at, step.world.bodies[pair.a].v, step.world.bodies[pair.b].v);
 	const double free = step.approach(pair, at, step.bodies[pair.a].v, step.bodies[pair.b].v);
 	return gap + step.turning(pair, at.n, gap) + step.dt() * std::min(before, free) <= 0;
@@ -80,19 +87,29 @@ ContactFinder<Space3>::Found ContactFinder<Space3>::choose(const StepView<Space3
 	for (; from < to; from++) {
 		const int32_t i = world.awake[from];
 		const Pair& pair = world.pairs[i];
-		const double overlap = meetings[i].overlap;
-		double gap = pair.reference > 0 && overlap <= 0 ? -overlap : pair.reference - overlap;
-		bool isOne = (gap <= nearby * step.smallerRadius(pair) || mayClose(step, pair, gap)) && (!bounces || closes(step, i, gap));
+		const SpaceMeeting* met = &meetings[i];
+		const auto gapOf = [&] { return pair.reference > 0 && met->overlap <= 0 ? -met->overlap : pair.reference - met->overlap; };
+		const auto touches = [&](double gap) {
+			return (gap <= nearby * step.smallerRadius(pair) || mayClose(step, pair, gap)) && (!bounces || closes(step, i, *met, gap));
+		};
+		double gap = gapOf();
+		bool isOne = touches(gap);
 		if (isOne && isHidden(step, i)) {
-			gap = endless;
-			isOne = false;
+			if ((isOne = features.meetsAhead(standing(step), i, step.dt(), ahead[i]))) {
+				met = &ahead[i];
+				gap = gapOf();
+				isOne = touches(gap);
+			}
+			if (!isOne)
+				gap = endless;
+			found.ahead = found.ahead || isOne;
 		}
-		found.same = found.same && contact[i] == isOne;
-		contact[i] = isOne;
+		found.same = found.same && (contact[i] != 0) == isOne;
+		contact[i] = isOne ? (met == &meetings[i] ? 1 : facetAhead) : 0;
 		*next = i;
 		next += isOne;
 		(isOne ? found.deepest : found.narrowest) = isOne ? std::max(found.deepest, -gap) : std::min(found.narrowest, gap);
-		found.apart = found.apart || (pair.reference > 0 && overlap <= 0);
+		found.apart = found.apart || (pair.reference > 0 && meetings[i].overlap <= 0);
 	}
 	found.contacts = static_cast<std::size_t>(next - found.first);
 	return found;
@@ -139,11 +156,18 @@ bool ContactFinder<Space3>::find(
 	assert(world.firstContact.empty() && &step.world == &world && &step.motion == &motion && world.carried.size() == world.pairs.size());
 	bool known = knowsLast(world, start.sameMasses);
 	meetings.resize(world.pairs.size());
+	ahead.resize(world.pairs.size());
 	makeRoom(world);
 	features.list(world);
 	locate(step);
 	known = !stopAtFaces(step, motion) && known;
 	const Found found = searchAll(world, step.threads, [&](std::size_t from, std::size_t to) { return choose(step, from, to); });
+	if (found.ahead) // only now, since a pair is compared with others of its sphere
+		for (const int32_t i : pairOf)
+			if (contact[i] == facetAhead) {
+				meetings[i] = ahead[i];
+				contact[i] = 1;
+			}
 	keep(world, found, start.guides, [&](int32_t i) { return meetings[i].overlap; });
 	return known && found.same;
 }

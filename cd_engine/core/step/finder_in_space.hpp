@@ -26,14 +26,16 @@ template <> class ContactFinder<Space3> : public FoundContacts<Space3> {
     private:
 	void locate(const StepView<Space3>&);
 	Found choose(const StepView<Space3>&, std::size_t from, std::size_t to);
-	bool closes(const StepView<Space3>&, std::size_t pair, double gap) const;
+	bool closes(const StepView<Space3>&, std::size_t pair, const SpaceMeeting&, double gap) const;
 	bool fastEnough(const StepView<Space3>&, std::size_t pair) const;
 	bool crosses(const StepView<Space3>&, std::size_t pair) const;
+	HiddenFeatures::Standing standing(const StepView<Space3>&) const;
 	bool isHidden(const StepView<Space3>&, std::size_t pair) const;
 	bool isThrough(const StepView<Space3>&, const Pair&, SpaceFoot&) const;
 	bool stopAtFaces(const StepView<Space3>&, BodyMotion<Space3>&);
 
 	std::vector<SpaceMeeting> meetings; // of the pairs examined
+	std::vector<SpaceMeeting> ahead; // of contacts with facets around a concave edge (HiddenFeatures::meetsAhead), else without a meaning
 	HiddenFeatures features;
 };
 

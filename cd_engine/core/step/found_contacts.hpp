@@ -29,6 +29,7 @@ template <class Space> class FoundContacts {
 		bool through = false; // a disk must be taken back to a face
 		bool same = true; // the contacts are those of the last search
 		bool apart = false; // a reference overlap has ended
+		bool ahead = false; // some are with facets around a concave edge
 		double deepest = 0, narrowest = endless; // largest overlap beyond the reference, smallest gap left out [m]
 	};
 
@@ -51,7 +52,7 @@ template <class Space> class FoundContacts {
 			if (a.first + a.contacts < b.first)
 				std::copy_n(b.first, b.contacts, a.first + a.contacts);
 			return Found { a.first, a.contacts + b.contacts, a.through || b.through, a.same && b.same, a.apart || b.apart,
-				std::max(a.deepest, b.deepest), std::min(a.narrowest, b.narrowest) };
+				a.ahead || b.ahead, std::max(a.deepest, b.deepest), std::min(a.narrowest, b.narrowest) };
 		});
 		pairOf.resize(all.contacts);
 		return all;
