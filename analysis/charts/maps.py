@@ -168,7 +168,9 @@ def _boundaries(axis, chart, lines):
     axes = chart.x.name, chart.y.name, chart.panels
 
     def kind(line):
-        return line.search.accepted, line.search.along, tuple(value for name, value in line.search.at.items() if name not in axes)
+        others = [(name, value) for name, value in line.search.at.items() if name not in axes]
+        return line.search.accepted, line.search.along, ", ".join(value if isinstance(value, str) else f"{SYMBOLS.get(name, name)} = {value:g}"
+                                                                  for name, value in others)
 
     def draw(points, along, **look):
         """Draw points (value along, value across) in the order of the latter."""
@@ -179,7 +181,7 @@ def _boundaries(axis, chart, lines):
     for number, ((accepted, along, other), own) in enumerate(groups.items()):
         across = chart.y.name if along == chart.x.name else chart.x.name
         words = "instability, searched" if INACCURATE in accepted else "first failure, searched"
-        words += "" if other == next(iter(groups))[2] else f" ({', '.join(map(str, other))})"
+        words += f" ({other})" if len({other for *_, other in groups}) > 1 else ""
         if points := [(line.boundary.value, line.search.at[across]) for line in own if not line.boundary.note]:
             draw(points, along, color="k", lw=1.1, ls=LINES[number % len(LINES)], marker="+x1234"[number % 6], ms=6, label=words)
         expected = [(line.theory, line.search.at[across]) for line in own if math.isfinite(line.theory)]
