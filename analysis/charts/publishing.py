@@ -24,7 +24,9 @@ def publish_all(results, folder, full, broken, beside=None):
             continue
         if beside:
             origin |= _united(origin, publish.read_json(Path(beside) / f"{names[0]}.json", {"commits": list, "measured": int, "processor": str}))
-            measured = measured if source is maps else _added(table.from_csv(Path(beside) / "work_precision.csv"), measured)
+            if source is table:
+                measured = _added(table.from_csv(Path(beside) / "work_precision.csv"), measured)
+                origin["measured"] = measured.name.nunique()  # the new ones may have taken the place of old ones
         line = f"{origin['measured']} measurements, {provenance.words(origin['commits'])}, {origin['processor']}"
         for name in names:
             chart = charts.module(name)
