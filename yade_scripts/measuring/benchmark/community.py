@@ -40,7 +40,7 @@ ENOUGH = dict(tolerance=1e-2, gapCorrection=0.1)  # silo: 1e-3 gives 1 % less di
 DURATION = {"silo": 5.0, "drum": 5.0, "penetration": 0.1}  # of the benchmark [s]
 SAMPLE = {"silo": 0.05, "drum": 0.1, "penetration": 2e-3}  # time between two samples [s]
 BEFORE = {"silo": 0.3, "drum": 0.3, "penetration": 0.0}
-SETTLED, SETTLE = 1.2, {"silo": 1e-3, "drum": 1e-3, "penetration": 2.5e-4}  # duration and step of the filling [s]
+SETTLED, SETTLE = 1.2, {"silo": 5e-4, "drum": 1e-3, "penetration": 2.5e-4}  # duration and step of the filling [s]
 WIDE, ORIFICES = 0.1, {"small": 0.02, "large": 0.03}  # radii of the silo [m]
 DRUM, LONG, SPIN = 0.05, 0.05, 2.0  # radius and length [m], rad/s
 BOX, BALL, FAST = 0.03, 0.01, 5.0  # half the width of the box, radius of the steel sphere [m], its speed [m/s]
