@@ -16,9 +16,8 @@ MAP = Map(
               "tan(slope) = mu (1 + d) or mu (1 - d) for 200 steps of 1 ms. Inaccurate: the mean speed is off by more than a tenth of mu d g "
               "cos(slope) t. Unstable: by more than all of it. Too slow on the steeper slope is called false rest, anything else false "
               "motion.",
-    remedy="Below the angle of friction bodies may creep, above it none stays at rest. The error of the speed is about the tolerance times the speed "
-           "that the weight would give. Choose a tolerance smaller than the distance from the angle that matters to you. The published map "
-           "is older than the engine: at a tolerance of 1e-3 the steeper slope is now right thirteen times nearer to the angle.",
+    remedy="Below the angle of friction bodies may creep, above it none stays at rest. The error of the speed is about the tolerance times "
+           "the speed that the weight would give: choose a tolerance below the distance from the angle that matters to you.",
     x=Axis("tolerance", "tolerance"), y=Axis("distance", r"$d=|\tan(\mathrm{slope})/\mu-1|$"), panels="side",
     measures={"speed_error": "of the mean speed, over mu d g cos(slope) t", "unconverged": "share of the steps that missed the tolerance"},
     grid=lambda full: product(side=SIDES, tolerance=logarithmic(1e-10, 1e-1, 10) if full else logarithmic(1e-9, 1e-1, 5),

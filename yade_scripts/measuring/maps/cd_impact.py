@@ -14,8 +14,8 @@ MAP = Map(
     question="Where does restitution together with friction create energy?",
     criterion="A spinning disk is thrown at the bottom of a groove and hits both sides at once; 60 random angles, velocities and spins. "
               "Unstable: its kinetic energy exceeds the first by more than 1e-9 after one of the next six steps.",
-    remedy="Newton's law of impact creates energy in simultaneous impacts with friction when e comes close to 1 (Kane and Levinson 1985). "
-           "The engine lowers e in the islands of contacts where this would happen, so disks there rebound more slowly than e says.",
+    remedy="With friction Newton's law of impact creates energy in simultaneous impacts when e is near 1 (Kane and Levinson 1985). The "
+           "engine lowers e there, so disks rebound more slowly than e says.",
     x=Axis("restitution", "restitution e"), y=Axis("friction", r"friction $\mu$"),
     measures={"energy_gain": "largest kinetic energy over the first, less 1", "draws_that_gain": "share of the draws"},
     grid=lambda full: product(restitution=[0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0] if full else [0.0, 0.5, 0.9, 1.0],

@@ -12,8 +12,8 @@ MAP = Map(
     question="At which step and tolerance does a packing far below yield stay at rest, as rigid grains must?",
     criterion="100 disks at rest under P0 with free walls; sigma2 rises by 5 % at once and stays for 50 steps. Inaccurate: |gamma| above "
               "1e-6. Unstable: above 1e-3. Not solved: steps missed the tolerance.",
-    remedy="Until the engine has proven that a packing rests, solver error strains it about in proportion to the tolerance and to dt^2. The "
-           "defaults of runs (1e-8, 1 ms) are almost four decades inside the boundary; the engine's own tolerance of 1e-6 reaches it at 10 ms.",
+    remedy="Until the engine has proven that a packing rests, solver error strains it in proportion to the tolerance and to dt^2. The "
+           "engine's own tolerance of 1e-6 reaches the boundary at 10 ms.",
     x=Axis("tolerance", "tolerance"), y=Axis("dt", "step dt [s]"),
     measures={"gamma": "strain2 - strain1 after the last step", "unconverged": "share of the steps that missed the tolerance",
               "sweeps": "mean number of sweeps a step"},

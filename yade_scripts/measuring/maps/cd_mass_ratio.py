@@ -11,8 +11,8 @@ MAP = Map(
     criterion="A disk on a disk on the floor, 20 steps of 1 ms from rest without forces. Inaccurate: a contact force is off by more than 1 "
               "%. Unstable: bodies overlap by more than 1 % of the radius although the steps count as solved. Not solved: steps missed the "
               "tolerance.",
-    remedy="Sweeps pass a heavy weight on slowly; a step in which they have not finished does not count as solved and says so. method='auto' "
-           "continues with Newton's method, which solves far larger ratios. A heavy body below a light one is no problem.",
+    remedy="Sweeps pass a heavy weight on slowly; a step in which they have not finished says so. method='auto' continues with Newton's "
+           "method, which solves far larger ratios. A heavy body below a light one is no problem.",
     x=Axis("tolerance", "tolerance"), y=Axis("mass_ratio", "mass above / mass below"), panels="method",
     measures={"force_error": "largest error of the two contact forces, relative to its own exact value",
               "penetration": "largest overlap over the radius", "unconverged": "share of the steps that missed the tolerance"},

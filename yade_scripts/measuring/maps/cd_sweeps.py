@@ -10,7 +10,7 @@ MAP = Map(
     question="How many sweeps a step does a column of disks need if the error is not checked?",
     criterion="A column of equal disks, 50 steps of 1 ms from rest without forces, with fixedIterations. Unstable: bodies overlap by more "
               "than 1 % of the radius. Inaccurate: a contact force is off by more than 1 %.",
-    remedy="With fixedIterations look at residual, or use a tolerance instead. The engine warns of overlaps beyond 1 % of the radius.",
+    remedy="Look at residual, or use a tolerance instead. The engine warns of overlaps beyond 1 % of the radius.",
     x=Axis("sweeps", "sweeps a step"), y=Axis("disks", "disks in the column"), panels="start",
     measures={"force_error": "largest error of a contact force, relative to the weight above it",
               "penetration": "largest overlap over the radius", "residual": "error e of the last step"},

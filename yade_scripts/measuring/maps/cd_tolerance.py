@@ -10,10 +10,9 @@ MAP = Map(
     question="How tall may a column be at a given tolerance, and at which tolerance are its forces right?",
     criterion="A column of equal disks, 20 steps of 1 ms from rest without forces, at most 20000 sweeps. Not solved: steps missed the "
               "tolerance. Unstable: bodies overlap by more than 1 % of the radius. Inaccurate: a contact force is off by more than 1 %.",
-    remedy="In a column at rest every single contact force is right to the tolerance: off by at most "
-           "{{ (cells.force_error / cells.tolerance)[cells.verdict != 'not solved'].max() | fixed(2) }} of it in columns of up to "
-           "{{ cells.disks.max() }} disks. Tall columns take many sweeps; a step that does not reach its tolerance says so. Raise maxIterations, or "
-           "let method='auto' go on to Newton's method.",
+    remedy="In a column at rest every contact force is right to the tolerance: off by at most {{ (cells.force_error / "
+           "cells.tolerance)[cells.verdict != 'not solved'].max() | fixed(2) }} of it in columns of up to {{ cells.disks.max() }} disks. "
+           "Tall columns take many sweeps: raise maxIterations, or let method='auto' go on to Newton's method.",
     x=Axis("tolerance", "tolerance"), y=Axis("disks", "disks in the column"), panels="method",
     measures={"force_error": "largest error of a contact force, relative to the weight above it",
               "penetration": "largest overlap over the radius", "unconverged": "share of the steps that missed the tolerance"},

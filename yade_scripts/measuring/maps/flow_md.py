@@ -9,8 +9,8 @@ MAP = Map(
     title="Flows: springs",
     question="Which step, damping and stiffness give the height of a filling?",
     criterion=filling.CRITERION,
-    remedy="Above its stability limit a run ends as unstable and names a step that would do; strong damping lowers this limit. With weak damping "
-           "disks rebound and pack more densely than rigid grains without rebounds: this is another material, not an error of the step.",
+    remedy="Above its limit a run ends as unstable. With weak damping disks rebound and pack more densely: another material, not an error of "
+           "the step.",
     x=Axis("md_dt_factor", r"md_dt_factor $= dt/\sqrt{m_{\min}/k_n}$"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kn",
     measures=filling.MEASURES,
     grid=lambda full: product(kn=STIFF[full], beta_n=DAMPING[full], md_dt_factor=logarithmic(0.15, 1.0, 6 if full else 2)),

@@ -9,7 +9,7 @@ MAP = Map(
     title="Flows: springs in Contact Dynamics",
     question="Which step, damping and stiffness give the height of a filling?",
     criterion=filling.CRITERION,
-    remedy="Long steps damp rebounds and stay stable. With stiff springs some long steps miss their tolerance, and the engine says so.",
+    remedy="Long steps are stable. Stiff springs miss their tolerance in some of them, with a message.",
     x=Axis("cd_dt", "step dt [s]"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kn", measures=filling.MEASURES,
     grid=lambda full: product(kn=STIFF[full], beta_n=DAMPING[full][::2] if full else DAMPING[full],
                               cd_dt=logarithmic(2.5e-4, 1.6e-2, 7) if full else (1e-3, 8e-3)),

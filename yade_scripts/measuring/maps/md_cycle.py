@@ -14,8 +14,7 @@ MAP = Map(
     criterion="100 disks, one cycle, walls pushed by forces. Inaccurate: the strain at the peak of the load or the one that remains differs from "
               "that with a fiftieth of sqrt(m/k_n) by more than 1 % of the strain at the peak. Unstable: by more than 50 %, or the run ends as "
               "unstable.",
-    remedy="Up to its stability limit the step hardly matters, at any load and period. Above the limit the run ends as unstable; take the step that "
-           "it names.",
+    remedy="Up to its stability limit the step hardly matters; above it the run ends as unstable.",
     x=Axis("md_dt_factor", r"md_dt_factor $= dt/\sqrt{m_{\min}/k_n}$"), y=Axis("delta_sigma", r"load $\Delta\sigma$"), panels="period",
     measures={"peak_error": "strain at the peak, less the true one, over the latter", "rest_error": "the same of the strain that remains"},
     grid=lambda full: product(period=PERIODS[full], delta_sigma=LOADS[full], md_dt_factor=logarithmic(0.1, 1.0, 9 if full else 4)),

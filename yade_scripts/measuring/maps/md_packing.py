@@ -27,8 +27,7 @@ MAP = Map(
     question="How long a time step does a packing under pressure allow, and does the largest eigenvalue of its stiffness predict it?",
     criterion="100 disks at rest under P0 between fixed walls, with sticking contacts, are pushed by 1e-5 of an overlap. Unstable: their "
               "kinetic energy grows tenfold between the second and the last quarter of 2000 steps, or 1e6-fold in all.",
-    remedy="A run ends as unstable if its step is above the limit of its contacts and the motion shows it; md_dt_factor up to 0.25 is safe for "
-           "every beta_n and k_t/k_n.",
+    remedy="A run whose step is above the limit ends as unstable; md_dt_factor up to 0.25 is safe for every beta_n and k_t/k_n.",
     x=Axis("md_dt_factor", r"md_dt_factor $= dt/\sqrt{m_{\min}/k_n}$"), y=Axis("beta_n", r"damping ratio $\beta_n$"), panels="kt_over_kn",
     measures={"growth": "largest kinetic energy of the last quarter over that of the second",
               "theory": "md_dt_factor at which dt^2 K + 2 dt C = 4 M has a solution, of the packing's matrices",

@@ -21,10 +21,9 @@ MAP = Map(
               "(mean of opposite walls) is off its goal by more than 5 % of P0: unstable (locked) if walls change direction at more than "
               "half of the steps, else inaccurate (load missed). Inaccurate too if the largest gamma is off by a tenth of its value at gain "
               "1.",
-    remedy="walls.servo keeps the gain at 1 or below, and a run whose walls are more than 5 % of P0 off ends with an error. Below that there is no "
-           "warning, although gamma was wrong by up to {{ cells.strain_error[cells.told.isna()].max() | percent }} % under a load of 0.2 P0: check "
-           "'stress error/P0' in "
-           "`/usr/bin/python3 -m analysis summary results/*.h5`, which is a few 1e-3 at most if the servo works.",
+    remedy="walls.servo keeps the gain at 1 or below, and a run whose walls are more than 5 % of P0 off ends with an error. Below that "
+           "nothing warns, although gamma was wrong by up to {{ cells.strain_error[cells.told.isna()].max() | percent }} % under a load of "
+           "0.2 P0: 'stress error/P0' in `python3 -m analysis summary results/*.h5` should be a few 1e-3 at most.",
     x=Axis("gain", r"gain $(1-\mathtt{stressDamping})\,2\beta_n\,\sqrt{m/k_n}/dt$"), y=Axis("max_velocity", "max_vel [m/s]"), panels="period",
     measures={"stress_error": "error of the worst wall's stress over P0, median of the second half",
               "mean_stress_error": "the same of the means of opposite walls, which is what a history shows",

@@ -22,11 +22,8 @@ MAP = Map(
     criterion="A sphere hits a floor at an angle from its normal and slides throughout (mu = 0.092, scene oblique_impact, no gravity), "
               "at 8 instants of a step. Unstable: its kinetic energy grows by more than 1e-9 of the first. Inaccurate: spin or "
               "tangential restitution is off by more than 2 % in one of the eight.",
-    remedy="The solver reports nothing. With restitution a sphere rebounds at its place in the middle of the step, up to half its displacement above "
-           "the floor, where friction has a longer arm: the spin is too large by at most half the displacement along the normal in a step over "
-           "the radius, by half as much on average, and without restitution by a quarter. Velocities are exact, unless the longer arm lets the "
-           "sphere stick that should slide. Energy never grew. If single spins matter let spheres move by less than a twenty-fifth of their radius "
-           "along the normal in a step.",
+    remedy="With restitution a sphere rebounds up to half its displacement in a step above the floor, where friction has a longer arm: its "
+           "spin is too large by up to half this displacement over the radius, without a warning. Energy never grew.",
     x=Axis("share", r"$v\,dt/R$"), y=Axis("impact_angle", "angle from the normal [degree]"), panels="restitution",
     measures={"spin_error": "largest error of the spin, relative to its exact value", "mean_spin_error": "the same, mean of the eight",
               "tangential_error": "largest error of the tangential restitution", "energy_gain": "largest kinetic energy over the first, less 1"},

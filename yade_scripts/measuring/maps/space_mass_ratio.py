@@ -16,10 +16,8 @@ MAP = Map(
     criterion="Nest: a sphere on three equally large ones on a floor, mu = 0.5, held by friction alone. Tube: the uppermost of five spheres in "
               "a square tube without friction. 20 steps of 1 ms from rest without forces. Not solved: steps missed the tolerance. Unstable: "
               "bodies overlap by more than 1 % of the radius. Inaccurate: a force is off by more than 1 % of the exact normal force of its contact.",
-    remedy="Under a heavy sphere sweeps do not reach small tolerances; the program says so, and the forces may be right nevertheless (see "
-           "force_error). In space there is no Newton's method that could go on: raise the tolerance. Under a sphere that is far lighter than the "
-           "others the contacts that carry it are off by more than the tolerance, since errors count relative to the mean load of an "
-           "island; of this the program says nothing: lower the tolerance by the ratio of the masses.",
+    remedy="Under a heavy sphere steps miss small tolerances, and the program says so. On a light one forces are off without a warning: "
+           "lower the tolerance by the ratio of the masses.",
     x=Axis("tolerance", "tolerance"), y=Axis("mass_ratio", "mass above / mass below"), panels="pile",
     measures={"force_error": "largest error of a contact force, relative to the exact normal force there",
               "penetration": "largest overlap over the radius", "unconverged": "share of the steps that missed the tolerance"},

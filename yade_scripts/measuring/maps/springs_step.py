@@ -13,9 +13,8 @@ MAP = Map(
     criterion="100 disks, one cycle of 1 s, tolerance 0.1; lines: also 1. Inaccurate: the strain at the peak of the load or the one that remains "
               "differs from that with steps of 0.1 ms and a tolerance of 1e-3 by more than 1 % of the strain at the peak. Unstable: by more than "
               "50 %. Not solved: steps missed the tolerance.",
-    remedy="Long steps damp motion, and the program does not warn: halve the step and compare. Far from the static limit a cycle needs few steps; a "
-           "packing that yields, as the softest one under the largest load here, needs many, since the motion of its grains counts. Very stiff "
-           "springs strain so little in a step that the least tolerance of the solver shows: they need short steps, too.",
+    remedy="Long steps damp motion, without a warning: halve the step and compare. Far from the static limit a cycle needs few steps, near "
+           "it many. Very stiff springs strain so little that the least tolerance of the solver shows: they need short steps, too.",
     x=Axis("dt", "step dt [s] of a cycle of 1 s"), y=Axis("delta_sigma", r"load $\Delta\sigma$"), panels="stiffening",
     measures={"peak_error": "strain at the peak, less the true one, over the latter",
               "rest_error": "the same of the strain that remains, over the peak's",

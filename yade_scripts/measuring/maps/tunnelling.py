@@ -23,9 +23,9 @@ MAP = Map(
     question="How fast must a disk be to pass through a wall?",
     criterion="A disk flies at a fixed box without gravity, from four distances; springs have no dashpots and md_dt_factor 0.2. Unstable: "
               "the disk ends beyond the box. Inaccurate: on its way it overlaps the box by more than half its radius.",
-    remedy="A rigid disk is stopped at any speed. There is one exception: a flight that begins within half a step of the wall (CD from near) may "
-           "end up to a radius deep in it. Springs stop a disk if v sqrt(m/k_n) is below R; for an overlap below a tenth of R, k_n must exceed "
-           "100 m v^2/R^2.",
+    remedy="A rigid disk is stopped at any speed, unless its flight begins within half a step of the wall (CD from near): then it may end up "
+           "to a radius deep in it. Springs stop a disk if v sqrt(m/k_n) is below R; for an overlap below R/10, k_n must exceed 100 m "
+           "v^2/R^2.",
     x=Axis("speed", r"$v\sqrt{m/k_n}/R$ (MD), $v\,dt/R$ (CD)"), y=Axis("thickness", "thickness of the wall / R"), panels="kind",
     measures={"through": "share of the four that got through", "penetration": "largest overlap over the radius"},
     grid=lambda full: product(kind=KINDS, thickness=THICKNESSES[full], speed=logarithmic(0.01, 100, 13 if full else 5)),
