@@ -75,6 +75,21 @@ def test_a_step_of_a_flow_says_what_it_reached_beside_what_was_asked():
     assert fixed["sweeps"] == fixed["most_sweeps"] == 2 and fixed["ns_a_contact"] > 0 and fixed["goal_ns_beside_sweeps"] == 120
 
 
+def test_both_methods_start_the_community_s_impact_from_one_state():
+    """A sphere that hits a bed moves by at most v t + g t^2/2; it digs in, and the bed stops it."""
+    rows = problems.in_yade("community", {"case": "penetration", "larger": 6.0, "softer": 1000.0})
+    assert {row["spheres"] for row in rows} == {round(25000 / 6**3)}
+    for method in ("CD", "MD"):
+        times, depths = np.array([(row["t"], row["value"]) for row in rows if row["method"] == method]).T
+        assert depths[0] == 0 and times[-1] == pytest.approx(0.1, rel=0.02)
+        assert np.all(depths <= (5 * times + 9.81 * times**2 / 2) / 0.02 * (1 + 1e-9))
+        assert 0.3 < depths.max() < 0.5 * 5 * times[-1] / 0.02
+    first = {row["method"]: row["value"] for row in rows if 1.9e-3 < row["t"] < 2.1e-3}
+    assert first["CD"] > 0.2 and first["MD"] > 0.2
+    cost = problems.in_yade("community", {"case": "penetration", "larger": 6.0, "window": 40})
+    assert [row["method"] for row in cost] == ["CD", "MD"] and all(row["seconds"] > 0 for row in cost)
+
+
 @PEERS
 def test_siconos_solves_in_space():
     problem = core.SpaceBodyProblem(**vars(spheres.problem(spheres.packing(20, 1), 0.5)))
