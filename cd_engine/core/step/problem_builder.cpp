@@ -99,7 +99,7 @@ void ProblemBuilder<Plane>::demandRebound(
 	const int32_t pair = finder.pairs()[contact];
 	const Body &a = step.world.bodies[c.a], &b = step.world.bodies[c.b];
 	const double un = relativeVelocity<false>(c, motionOf<Plane>(a.v), motionOf<Plane>(b.v)).n;
-	c.bias = rebounds.demand(contact, step, pair, { finder.gap(step.world, pair), turned, un }, c.bias);
+	c.bias = rebounds.demand(contact, step, pair, { finder.gap(step.world, pair), turned, un }, c);
 }
 
 // Fills rows from their pairs. The kernel makes those of two disks that can move and turn. In the others it leaves wnn = 0, and they are made here.
@@ -141,7 +141,7 @@ void ProblemBuilder<Plane>::build(
 	finder = &found;
 	system.contactSet += !same;
 	specialOf.resize(count);
-	rebounds.restart(now.settings.restitution > 0 ? count : 0);
+	rebounds.restart(now, now.settings.restitution > 0 ? count : 0);
 	if (same && postpones && makeSpecials())
 		return system.contacts.postpone(*this, count);
 	system.contacts.forgetSource();

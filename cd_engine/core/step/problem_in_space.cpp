@@ -120,7 +120,7 @@ void ProblemBuilder<Space3>::demandRebound(
 	const double* const a = c.a < count ? step.world.bodies[c.a].v : step.bodies[c.a].v;
 	const double un = relativeVelocity<false>(c, motionOf<Space3>(a), motionOf<Space3>(step.world.bodies[c.b].v)).n;
 	const int32_t pair = finder.pairs()[contact];
-	c.bias = rebounds.demand(contact, step, pair, { finder.gap(step.world, pair), turned, un }, c.bias);
+	c.bias = rebounds.demand(contact, step, pair, { finder.gap(step.world, pair), turned, un }, c);
 }
 
 void ProblemBuilder<Space3>::fill(const StepView<Space3>& step, const ContactFinder<Space3>& finder, ContactSystem<Space3>& system, std::size_t first)
@@ -137,7 +137,7 @@ void ProblemBuilder<Space3>::build(const StepView<Space3>& step, const ContactFi
 {
 	assert(system.bodies.size() == step.world.bodies.size() && step.world.carried.size() == step.world.pairs.size());
 	system.contactSet += !same;
-	rebounds.restart(step.settings.restitution > 0 ? finder.pairs().size() : 0);
+	rebounds.restart(step, step.settings.restitution > 0 ? finder.pairs().size() : 0);
 	system.contacts.resize(finder.pairs().size());
 	fill(step, finder, system, 0);
 }

@@ -16,14 +16,21 @@ namespace {
 
 	constexpr double roundOff = 1e-13; // relative, of energies, which are sums
 
-	// The speed that the forces of the step give a body [m/s].
+	template <class Space> bool moves(const BodyOf<Space>& body)
+	{
+		return std::any_of(body.inverseMass, body.inverseMass + Space::components, [](double w) { return w > 0; });
+	}
+
+	// The speed that the forces of the step give a body [m/s]; infinite if none moves it.
 	template <class Space> double gained(const StepView<Space>& step, int32_t body)
 	{
 		const BodyOf<Space>& own = step.world.bodies[body];
 		double square = 0;
-		for (int k = 0; k < Space::components; k++)
-			square += own.inverseMass[k] * own.force[k] * own.inverseMass[k] * own.force[k];
-		return step.dt() * std::sqrt(square);
+		for (int k = 0; k < Space::components; k++) {
+			const double speed = step.dt() * own.inverseMass[k] * own.force[k];
+			square += speed * speed;
+		}
+		return moves<Space>(own) ? std::sqrt(square) : endless;
 	}
 
 } // namespace
@@ -34,15 +41,33 @@ template <class Space> bool Rebounds<Space>::any() const
 	    demands.begin(), demands.end(), [](const Demand& d) { return !std::isnan(d.rebound) && bias(d.plain, d.rebound) != bias(d.plain, 0); });
 }
 
+template <class Space> void Rebounds<Space>::restart(const StepView<Space>& step, std::size_t contacts)
+{
+	demands.resize(contacts);
+	balances.clear();
+	if (contacts == 0)
+		return;
+	loads.assign(step.world.bodies.size(), 0);
+	for (std::size_t i = 0; i < step.world.pairs.size(); i++)
+		if (step.world.carried[i].any()) {
+			const Pair& of = step.world.pairs[i];
+			loads[of.a] += moves<Space>(step.world.bodies[of.b]) ? 2 : 1;
+			loads[of.b] += moves<Space>(step.world.bodies[of.a]) ? 2 : 1;
+		}
+}
+
 template <class Space>
-double Rebounds<Space>::demand(std::size_t contact, const StepView<Space>& step, int32_t pair, const Approach& now, double plain)
+double Rebounds<Space>::demand(std::size_t contact, const StepView<Space>& step, int32_t pair, const Approach& now, const ContactRow<Space>& c)
 {
 	const double e = step.world.restitutions.empty() ? step.settings.restitution : step.world.restitutions[pair];
-	const double un = now.un, slow = std::max(gained<Space>(step, step.world.pairs[pair].a), gained<Space>(step, step.world.pairs[pair].b));
+	const int32_t a = step.world.pairs[pair].a, b = step.world.pairs[pair].b;
+	const double ofA = gained(step, a), ofB = gained(step, b), un = now.un;
+	const bool packed = (ofA == endless || loads[a] > 1) && (ofB == endless || loads[b] > 1);
+	const double slow = packed ? std::min(ofA, ofB) : 0;
 	const bool hits = un < -slow && now.gap + now.turned + step.dt() * un <= 0, parts = un > slow && now.gap <= 0;
 	const bool rebounds = e > 0 && (hits || parts);
-	demands[contact] = { plain, rebounds ? e * un : std::numeric_limits<double>::quiet_NaN() };
-	return rebounds ? bias(plain, e * un) : plain;
+	demands[contact] = { c.bias, rebounds ? e * un : std::numeric_limits<double>::quiet_NaN() };
+	return rebounds ? bias(c.bias, e * un) : c.bias;
 }
 
 template <class Space> void Rebounds<Space>::findIslands(const ContactSystem& system)

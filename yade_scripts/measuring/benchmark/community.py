@@ -13,8 +13,8 @@ into the vessel and come to rest, by Contact Dynamics; both methods then start f
     penetration   a steel sphere of 20 mm hits 25 000 spheres of 2 mm in a box 60 mm wide at 5 m/s; the value is its depth in its diameters
 
 `larger` multiplies the diameters of the grains (their number falls with its cube) and `softer` divides Young's moduli; the springs' step follows,
-as r sqrt(rho/E). With `window` [steps of springs] only the cost is measured: Contact Dynamics runs for BEFORE seconds, then both methods for a while
-from that state.
+as r sqrt(rho/E). With `window` [steps of springs] only the cost of silo or drum is measured: Contact Dynamics runs for BEFORE seconds, then both methods for a
+while from that state.
 """
 import math
 import os
@@ -39,8 +39,8 @@ FASTEST, SHARE = {"silo": 1.0, "drum": 0.5, "penetration": 5.0}, 0.15  # [m/s], 
 ENOUGH = dict(tolerance=1e-2, gapCorrection=0.1)  # silo: 1e-3 gives 1 % less discharge, for 2.5 times the cost
 DURATION = {"silo": 5.0, "drum": 5.0, "penetration": 0.1}  # of the benchmark [s]
 SAMPLE = {"silo": 0.05, "drum": 0.1, "penetration": 2e-3}  # time between two samples [s]
-BEFORE = {"silo": 0.3, "drum": 0.3, "penetration": 0.0}
-SETTLED, SETTLE = 1.2, {"silo": 5e-4, "drum": 1e-3, "penetration": 2.5e-4}  # duration and step of the filling [s]
+BEFORE = {"silo": 0.3, "drum": 0.3}
+SETTLED, SETTLE = 1.2, {"silo": 5e-4, "drum": 1e-3, "penetration": 5e-4}  # duration and step of the filling [s]
 WIDE, ORIFICES = 0.1, {"small": 0.02, "large": 0.03}  # radii of the silo [m]
 DRUM, LONG, SPIN = 0.05, 0.05, 2.0  # radius and length [m], rad/s
 BOX, BALL, FAST = 0.03, 0.01, 5.0  # half the width of the box, radius of the steel sphere [m], its speed [m/s]
@@ -209,11 +209,8 @@ def _series(scene, case, until):
 
 
 def _cost(case, window):
-    """Return the processor time of a step and of the whole benchmark: of springs from `window` steps, of Contact Dynamics from a tenth as many, or
-    from a whole impact."""
-    engine, steps = O.engines[-1], window
-    if isinstance(engine, cd_engine.ContactDynamics):
-        steps = round(DURATION[case] / O.dt) if case == "penetration" else max(20, window // 10)
+    """Return the processor time of a step, of springs from `window` steps, of Contact Dynamics from a tenth as many, and that of the whole benchmark."""
+    steps = max(20, window // 10) if isinstance(O.engines[-1], cd_engine.ContactDynamics) else window
     _timed(5)
     spent = _timed(steps) / steps
     return {"seconds_a_step": spent, "seconds": spent * DURATION[case] / O.dt} | _state()

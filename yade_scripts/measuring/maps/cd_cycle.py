@@ -14,8 +14,8 @@ MAP = Map(
               "inaccurate if |gamma| at the peak or at the end is above 1e-6, unstable above 1e-4. Beyond it: inaccurate if |gamma| stays below "
               "1e-4. Not solved: steps missed the tolerance. Left out: loads just below the limit, which is an upper bound for sliding with "
               "friction; rigid packings begin to move at 0.976 to 0.991 of it (study critical_load).",
-    remedy="Solver errors let a packing creep, without a warning: the longer the cycle and the nearer the limit, the more. 1e-8, the default "
-           "of runs, suffices in all cycles tried, 1e-6 in short ones.",
+    remedy="Solver errors let a packing creep, mostly without a warning: the longer cycle and step and the nearer the limit, the more. 1e-8, "
+           "the default of runs, suffices in all cycles tried; the engine's own 1e-6 only in short cycles with steps of 1 ms.",
     x=Axis("tolerance", "tolerance"), y=Axis("load", "rise of the load over that of the static limit"), panels="dt",
     measures={"peak": "gamma at the peak of the load", "end": "gamma at the end", "sweeps": "mean number of sweeps a step",
               "unconverged": "share of the steps that missed the tolerance"},

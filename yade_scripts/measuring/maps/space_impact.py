@@ -23,7 +23,8 @@ MAP = Map(
               "at 8 instants of a step. Unstable: its kinetic energy grows by more than 1e-9 of the first. Inaccurate: spin or "
               "tangential restitution is off by more than 2 % in one of the eight.",
     remedy="With restitution a sphere rebounds up to half its displacement in a step above the floor, where friction has a longer arm: its "
-           "spin is too large by up to half this displacement over the radius, without a warning. Energy never grew.",
+           "spin is too large by up to half this displacement over the radius, without a restitution by a quarter. Nothing warns. Energy "
+           "never grew.",
     x=Axis("share", r"$v\,dt/R$"), y=Axis("impact_angle", "angle from the normal [degree]"), panels="restitution",
     measures={"spin_error": "largest error of the spin, relative to its exact value", "mean_spin_error": "the same, mean of the eight",
               "tangential_error": "largest error of the tangential restitution", "energy_gain": "largest kinetic energy over the first, less 1"},

@@ -12,8 +12,8 @@ MAP = Map(
               "without forces, at most 20000 sweeps. Not solved: steps missed the tolerance. Unstable: bodies overlap by more than 1 % of the "
               "radius. Inaccurate: a force on a wall or on the floor is off by more than 1 % of its exact value.",
     remedy="The errors of all spheres add up and the column sinks: below a tolerance of 1e-4 a force was off by up to {{ (cells.force_error "
-           "/ cells.tolerance)[cells.tolerance < 1e-4].max() | sci }} tolerances, with {{ cells.disks.max() }} spheres. All steps count as "
-           "solved: repeat a run with a hundredth of the tolerance.",
+           "/ cells.tolerance)[cells.tolerance < 1e-4].max() | sci }} tolerances, with {{ cells.disks.max() }} spheres; above it, by all of "
+           "it. All steps count as solved: repeat a run with a hundredth of the tolerance.",
     x=Axis("tolerance", "tolerance"), y=Axis("disks", "spheres in the tube"), panels="tube_width",
     measures={"force_error": "largest error of a force on a wall or on the floor, relative to its exact value",
               "penetration": "largest overlap over the radius", "unconverged": "share of the steps that missed the tolerance"},
