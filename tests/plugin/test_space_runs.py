@@ -250,8 +250,8 @@ def test_a_planar_scene_that_gains_a_facet_goes_over_to_space(O, capfd):
 
 @pytest.mark.parametrize("flat", [True, False])
 def test_a_packing_with_a_restitution_comes_to_rest(O, flat):
-    """A column of 25 layers that fell: steps take few sweeps, as without a restitution, and nearly all bodies are slower than their weight makes them in
-    a step; some rattle in their cages. If all contacts rebounded, however slowly, a step would take 185 in space for ever."""
+    """A column of 25 layers that fell: steps take few sweeps, as without a restitution, and nearly all bodies are slower than their weight makes them
+    in a step; some rattle in their cages. If all contacts rebounded, however slowly, a step would take 185 in space for ever."""
     mat, r, dt = material(0.3), 0.01, 1e-3
     O.bodies.append(geom.facetBox((0, 0, 1), (0.05, 0.05, 1), wallMask=31, material=mat) if not flat else [
         utils.box((x, 0, z), (a, r, b), fixed=True, material=mat) for x, z, a, b in ((0, -r, 0.05, r), (-0.06, 1, r, 1), (0.06, 1, r, 1))])

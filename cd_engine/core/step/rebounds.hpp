@@ -6,9 +6,9 @@
 // also if it separates already: impacts elsewhere on its bodies may push it back at up to e u_n. Without friction the energy of the step then changes
 // by -(1 - e)/(1 + e) p.W p/2 <= 0, however the contacts are coupled. A law that demands u_n' >= 0 of separating contacts creates energy.
 //
-// Bodies that are held, by two loaded contacts or by one with a body that can move, do not rebound from each other at speeds up to what the forces of a
-// step, such as gravity, give each of them: this is no impact, but what is left of motions that steps do not resolve. So a packing comes to rest: 1900
-// spheres with e = 0.5 in a silo take 2 to 10 sweeps a step then; they rattled on, with 470 to 760, without this.
+// Bodies that are held, by two loaded contacts or by one with a body that can move, do not rebound from each other at speeds up to what the forces of
+// a step, such as gravity, give each of them: this is no impact, but what is left of motions that steps do not resolve. So a packing comes to rest:
+// 1900 spheres with e = 0.5 in a silo take 2 to 10 sweeps a step then; they rattled on, with 470 to 760, without this.
 //
 // With friction the same law can create energy where contacts are coupled (Kane and Levinson 1985); with e = 0 it cannot. So e is lowered in the
 // islands of contacts that would create energy, until they do not. A disk wedged between two faces may be unable to leave both as fast as

@@ -13,8 +13,8 @@ into the vessel and come to rest, by Contact Dynamics; both methods then start f
     penetration   a steel sphere of 20 mm hits 25 000 spheres of 2 mm in a box 60 mm wide at 5 m/s; the value is its depth in its diameters
 
 `larger` multiplies the diameters of the grains (their number falls with its cube) and `softer` divides Young's moduli; the springs' step follows,
-as r sqrt(rho/E). With `window` [steps of springs] only the cost of silo or drum is measured: Contact Dynamics runs for BEFORE seconds, then both methods for a
-while from that state.
+as r sqrt(rho/E). With `window` [steps of springs] only the cost of silo or drum is measured: Contact Dynamics runs for BEFORE seconds, then both
+methods for a while from that state.
 """
 import math
 import os
@@ -209,7 +209,8 @@ def _series(scene, case, until):
 
 
 def _cost(case, window):
-    """Return the processor time of a step, of springs from `window` steps, of Contact Dynamics from a tenth as many, and that of the whole benchmark."""
+    """Return the processor time of a step, of springs from `window` steps, of Contact Dynamics from a tenth as many, and that of the whole
+    benchmark."""
     steps = max(20, window // 10) if isinstance(O.engines[-1], cd_engine.ContactDynamics) else window
     _timed(5)
     spent = _timed(steps) / steps

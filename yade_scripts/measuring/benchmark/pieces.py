@@ -100,7 +100,8 @@ def _community():
     """Return pieces of community.py: fewer, larger grains for what is compared, all grains for the cost."""
     silo, cost = dict(case="silo", material=("M1", "M2"), orifice="large"), {"seed": 1, "window": 100}
     return _pieces("community", product(case="drum", **cost), product(**silo | {"material": "M1"}, **cost),
-                   product(case="penetration", seed=(1, 2, 3), larger=2.0), product(case="drum", seed=(1, 2, 3), larger=2.0, softer=100.0, seconds=2.0),
+                   product(case="penetration", seed=(1, 2, 3), larger=2.0),
+                   product(case="drum", seed=(1, 2, 3), larger=2.0, softer=100.0, seconds=2.0),
                    product(**silo, seed=(1, 2, 3), larger=3.0, softer=100.0, seconds=1.0),
                    product(case="silo", material="M1", orifice="small", seed=(1, 2), larger=2.5, softer=100.0, seconds=0.6),
                    product(case="silo", material="M1", orifice="large", seed=1, larger=3.0, softer=10.0, seconds=0.5))
