@@ -149,8 +149,9 @@ def community(rows, origin):
         for keys, run in group.groupby(["method", "orifice", "seed", "softer"], sort=False):
             axis.plot(run.t, run.value, color=style.COLOUR[keys[0]], lw=0.9, ls="--" if keys[1] == "small" else "-")
         axis.set(xlabel="time [s]", ylabel=VALUES[case], title=f"{case} {material}".strip())
-    style.legend(axes[0, 0], [dict(color=style.COLOUR["CD"], label="Contact Dynamics"), dict(color=style.COLOUR["MD"], label="YADE's springs"),
-                              dict(color=style.GREY["77"], ls="--", label="small orifice")], fontsize=7)
+    small = [dict(color=style.GREY["77"], ls="--", label="small orifice")] if "small" in set(curves.orifice) else []
+    style.legend(axes[0, 0], [dict(color=style.COLOUR["CD"], label="Contact Dynamics"), dict(color=style.COLOUR["MD"], label="YADE's springs"), *small],
+                 fontsize=7)
     return fig
 
 
