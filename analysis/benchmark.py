@@ -150,8 +150,8 @@ def community(rows, origin):
             axis.plot(run.t, run.value, color=style.COLOUR[keys[0]], lw=0.9, ls="--" if keys[1] == "small" else "-")
         axis.set(xlabel="time [s]", ylabel=VALUES[case], title=f"{case} {material}".strip())
     small = [dict(color=style.GREY["77"], ls="--", label="small orifice")] if "small" in set(curves.orifice) else []
-    style.legend(axes[0, 0], [dict(color=style.COLOUR["CD"], label="Contact Dynamics"), dict(color=style.COLOUR["MD"], label="YADE's springs"), *small],
-                 fontsize=7)
+    methods = [dict(color=style.COLOUR[method], label=label) for method, label in (("CD", "Contact Dynamics"), ("MD", "YADE's springs"))]
+    style.legend(axes[0, 0], methods + small, fontsize=7)
     return fig
 
 
