@@ -43,7 +43,8 @@ def draw(folder):
             (error_of_spheres, "spheres", f"{time}; packings of spheres from zero impulses; the error is computed anew from the impulses."),
             (sweep_cost, "sweeps", f"{time}."), (sweeps_against_size, "solutions", "Medians over the seeds; bars: their range."),
             (step_cost, "step", f"{time}."),
-            (community, "community", "Lines: runs from the same initial states, one a seed; fewer and larger grains than in the benchmark.")):
+            (community, "community", "Lines: runs from the same initial states, one a seed. Fewer and larger grains than in the benchmark; in silo "
+             "and drum springs a hundredth as stiff.")):
         of_table = origin.get("tables", {}).get(name, origin)  # a table that was measured by itself
         if len(tables[name]) and (fig := figure(tables[name], of_table)):
             for axis in fig.axes:

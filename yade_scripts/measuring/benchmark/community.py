@@ -32,13 +32,14 @@ import cd_engine
 GRAVITY = (0, 0, -9.81)
 STEEL, M1, M2 = range(3)  # ids of the materials
 MATERIALS = (("Steel", 210e9, 7200), ("M1", 1e9, 2500), ("M2", 0.5e9, 2000))  # Young's modulus [Pa], density [kg/m^3]
-FRICTION = ((M1, M2, 0.2), (M1, M1, 0.3), (STEEL, M1, 0.2), (M2, M2, 0.4), (STEEL, M2, 0.2), (STEEL, STEEL, 0.2))
-RESTITUTION = ((M1, M2, 0.45), (M1, M1, 0.5), (STEEL, M1, 0.4), (M2, M2, 0.4), (STEEL, M2, 0.4), (STEEL, STEEL, 0.4))
+PAIRS = ((M1, M2, 0.2, 0.45), (M1, M1, 0.3, 0.5), (STEEL, M1, 0.2, 0.4), (M2, M2, 0.4, 0.4), (STEEL, M2, 0.2, 0.4), (STEEL, STEEL, 0.2, 0.4))
+FRICTION = MatchMaker(matches=[(one, other, math.atan(mu)) for one, other, mu, _ in PAIRS])
+RESTITUTION = MatchMaker(matches=[(one, other, e) for one, other, _, e in PAIRS])
 SPRINGS_STEP = {("silo", "M1"): 1.5e-6, ("silo", "M2"): 2e-6, ("drum", ""): 8e-7, ("penetration", ""): 5e-7}  # [s], of the true grains
 BOX, BALL, FAST = 0.03, 0.01, 5.0  # half the width of the box, radius of the steel sphere [m], its speed [m/s]
 SHARE = 0.15  # of the smallest radius, by which a sphere moves in a step of Contact Dynamics at FASTEST [m/s], at an impact at the speed it then has
 FASTEST, SLOW = {"silo": 1.0, "drum": 0.5, "penetration": FAST}, 0.3  # [m/s]; SLOW: at an impact at this speed at least
-ENOUGH = dict(tolerance=1e-2, gapCorrection=0.1)  # silo: 1e-3 gives 1 % less discharge, for 2.5 times the cost
+ENOUGH = dict(tolerance=1e-2, gapCorrection=0.1)  # silo: 1e-3 gives 1 % more discharge, for 2.5 times the cost
 DURATION = {"silo": 5.0, "drum": 5.0, "penetration": 0.1}  # of the benchmark [s]
 SAMPLE = {"silo": 0.05, "drum": 0.1, "penetration": 2e-3}  # time between two samples [s]
 BEFORE = {"silo": 0.3, "drum": 0.3}
@@ -47,7 +48,17 @@ WIDE, ORIFICES = 0.1, {"small": 0.02, "large": 0.03}  # radii of the silo [m]
 DRUM, LONG, SPIN = 0.05, 0.05, 2.0  # radius and length [m], rad/s
 
 
-class Silo:
+class Case:
+    """A vessel with spheres at rest. start(): begins what the case is about. turning(): engines that move the vessel. look(): the value."""
+
+    def start(self):
+        pass
+
+    def turning(self):
+        return []
+
+
+class Silo(Case):
     def __init__(self, draw, larger, orifice="small", material="M1"):
         radius, self.low = 2e-3 * larger, ORIFICES[orifice] - WIDE
         self.count, kind = round(122000 / larger**3), (M1, M2)[material == "M2"]
@@ -63,9 +74,6 @@ class Silo:
         for facet in self.plug:
             O.bodies.erase(facet)
 
-    def turning(self):
-        return []
-
     def look(self):
         fallen = [b.id for b in O.bodies if isinstance(b.shape, Sphere) and b.state.pos[2] < self.low]
         for grain in fallen:
@@ -75,7 +83,7 @@ class Silo:
         return 1 - inside / self.count
 
 
-class Drum:
+class Drum(Case):
     def __init__(self, draw, larger):
         radii = {M1: 1e-3 * larger, M2: 2e-3 * larger}
         self.drum = O.bodies.append(geom.facetCylinder((0, 0, 0), DRUM, LONG, orientation=utils.Quaternion((1, 0, 0), math.pi / 2),
@@ -87,9 +95,6 @@ class Drum:
                   lambda x, y, z: math.hypot(x, z) < DRUM - 1.1 * radius and abs(y) < LONG / 2 - 1.1 * radius and x * side > 1.05 * radius,
                   DRUM, -DRUM)
 
-    def start(self):
-        pass
-
     def turning(self):
         return [RotationEngine(ids=self.drum, rotationAxis=(0, 1, 0), angularVelocity=SPIN, rotateAroundZero=True, zeroPoint=(0, 0, 0))]
 
@@ -98,7 +103,7 @@ class Drum:
         return sum(x > 0 > z for x, _, z in fine) / len(fine)
 
 
-class Penetration:
+class Penetration(Case):
     def __init__(self, draw, larger):
         radius, high = 1e-3 * larger, 0.3
         O.bodies.append(geom.facetBox((0, 0, high / 2), (BOX, BOX, high / 2), wallMask=31, material=STEEL))
@@ -109,9 +114,6 @@ class Penetration:
         self.ball = O.bodies.append(utils.sphere((0, 0, top + 1.01 * BALL), BALL, material=STEEL))
         self.top = O.bodies[self.ball].state.pos[2]
         O.bodies[self.ball].state.vel = (0, 0, -FAST)
-
-    def turning(self):
-        return []
 
     def look(self):
         return (self.top - O.bodies[self.ball].state.pos[2]) / (2 * BALL)
@@ -136,14 +138,9 @@ def _fill(draw, count, radius, material, is_inside, reach, low):
         z += pitch
 
 
-def _pairs(values):
-    return MatchMaker(matches=values)
-
-
 def _contact_dynamics(scene, step, **settings):
     cd_engine.release()
-    reset, collider, engine = cd_engine.engines(gravity=GRAVITY, threads=1, **ENOUGH, **settings,
-                                                frictAngle=_pairs([(a, b, math.atan(mu)) for a, b, mu in FRICTION]))
+    reset, collider, engine = cd_engine.engines(gravity=GRAVITY, threads=1, frictAngle=FRICTION, **ENOUGH, **settings)
     O.engines = [reset, collider, *scene.turning(), engine]
     O.dt = step
 
@@ -153,15 +150,15 @@ def _springs(scene, step, radius):
     O.engines = [
         ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.1 * radius),
         InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(hertzian=True)],
-                        [Ip2_FrictMat_FrictMat_MindlinPhys(frictAngle=_pairs([(a, b, math.atan(mu)) for a, b, mu in FRICTION]),
-                                                           en=_pairs(RESTITUTION))],
+                        [Ip2_FrictMat_FrictMat_MindlinPhys(frictAngle=FRICTION, en=RESTITUTION)],
                         [Law2_ScGeom_MindlinPhys_Mindlin(preventGranularRatcheting=False)]),
         *scene.turning(), NewtonIntegrator(damping=0, gravity=GRAVITY)]
     O.dt = step
 
 
 def main(case, seed=1, larger=1.0, softer=1.0, window=0, seconds=None, orifice="", material=""):
-    """Return a row for each sample of each method, or one for its cost. seconds: until which samples are taken, by default DURATION."""
+    """Return a row for each sample of each method, or one for its cost. seconds: until which samples are taken, by default DURATION. step: the last
+    one."""
     O.reset()
     for label, young, density in MATERIALS:
         O.materials.append(FrictMat(young=young / softer, poisson=0.2, density=density, label=label))
@@ -176,7 +173,7 @@ def main(case, seed=1, larger=1.0, softer=1.0, window=0, seconds=None, orifice="
     step, long = SPRINGS_STEP[case, material] * larger * math.sqrt(softer), SHARE * min(radii) / FASTEST[case]
     facts = {"status": "measured", "case": case, "orifice": orifice, "material": material, "seed": seed, "spheres": len(radii), "larger": larger,
              "softer": softer}
-    set_engines = {"CD": lambda: _contact_dynamics(scene, long, en=_pairs(RESTITUTION)), "MD": lambda: _springs(scene, step, min(radii))}
+    set_engines = {"CD": lambda: _contact_dynamics(scene, long, en=RESTITUTION), "MD": lambda: _springs(scene, step, min(radii))}
     if window:
         set_engines["CD"]()
         O.run(round(BEFORE[case] / long), True)

@@ -10,7 +10,8 @@ MAP = Map(
     title="Flows: rigid contacts",
     question="Which step and tolerance give the height of a filling?",
     criterion=filling.CRITERION + " The longest step is 13.3 ms, a third of the time between two samples.",
-    remedy="What fails is the overlap, with a warning. In steps of 1 ms a tolerance of 0.1 still gives the height.",
+    remedy="What fails is the overlap, with a warning; a few steps miss 1e-4, with a message. In steps of 1 ms a "
+           "tolerance of 0.1 still gives the height.",
     x=Axis("tolerance", "tolerance"), y=Axis("cd_dt", "step dt [s]"), panels="gap_correction", measures=filling.MEASURES,
     grid=lambda full: product(gap_correction=CORRECTION[full], cd_dt=STEPS[full], tolerance=logarithmic(1e-4, 1.0, 7) if full else (1e-3, 0.1)),
     searches=lambda full: lines("tolerance", 1e-4, 1.0, 1.2 if full else 5.0, gap_correction=CORRECTION[full], cd_dt=STEPS[full][:-2] or STEPS[full]))
