@@ -168,6 +168,8 @@ template <class Space> void SceneLink<Space>::gatherBodies(yade::Scene* scene)
 	world.bodies.resize(count);
 	world.shapes.resize(count);
 	world.masks.resize(count, 0);
+	world.still.resize(count);
+	world.reading++;
 	forces.sync();
 	anyRolls = false;
 	newSurfaces = newSurfaces || world.surfaces.empty() != (mask == 0);
@@ -179,6 +181,9 @@ template <class Space> void SceneLink<Space>::gatherBodies(yade::Scene* scene)
 		const bool boundary = isBoundary(world.bodies[id]), joins = world.masks[id] != 0;
 		const int material = bodies[id].material;
 		readBody(id, container[id], forces, scene_iter(scene));
+		const Body& b = world.bodies[id];
+		world.still[id] = isBoundary(b) && isGuided(b) && std::none_of(b.v, b.v + Space::freedoms, [](double v) { return v != 0; })
+		    && (world.surfaces.empty() || !world.isBelt(id));
 		changed = changed || isBoundary(world.bodies[id]) != boundary || (world.masks[id] != 0) != joins || bodies[id].material != material;
 	}
 	std::sort(gone.begin(), gone.end());

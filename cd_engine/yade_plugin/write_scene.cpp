@@ -246,10 +246,11 @@ template <> bool SceneLink<cd::Space3>::rotate(std::size_t id)
 
 template <class Space> void SceneLink<Space>::finishStep(TimeStep& step, double dt)
 {
+	const uint8_t* const still = world.still.data();
 	const auto turn = [&](std::size_t from, std::size_t to) {
 		bool all = true;
 		for (std::size_t id = from; id < to; id++)
-			all = rotate(id) && all;
+			all = (still[id] || rotate(id)) && all;
 		return all;
 	};
 	finite = cd::reduceRanges<bool>(&step.threads, bodies.size(), turn, std::logical_and<bool>());
@@ -290,8 +291,10 @@ template <class Space> bool SceneLink<Space>::areBoundaries(const std::vector<in
 
 template <class Space> void SceneLink<Space>::publishMotion(const std::vector<int>& ids)
 {
-	for (const int id : driven = ids)
+	for (const int id : driven = ids) {
 		writeMotion(id);
+		world.still[id] = false;
+	}
 }
 
 template <class Space> void SceneLink<Space>::saveMotion()

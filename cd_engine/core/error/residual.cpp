@@ -21,12 +21,25 @@ namespace {
 		double s;
 	};
 
+	// Of the bodies of contacts; of others, what earlier systems have left.
+	template <class Space> struct Bodies {
+		std::vector<Moved<Space>> moved;
+		std::vector<char> met;
+		std::vector<double> leastHeavy; // smallest s of the far heavier bodies that it carries [m/s]
+	};
+
 	template <class Space>
-	void moveBodies(const ContactSystem<Space>& system, const std::vector<double>& freeVelocity, std::vector<Moved<Space>>& moved)
+	void moveBodies(const ContactSystem<Space>& system, const std::vector<double>& freeVelocity, Bodies<Space>& bodies)
 	{
+		std::vector<Moved<Space>>& moved = bodies.moved;
 		moved.resize(system.bodies.size());
-		for (std::size_t i = 0; i < moved.size(); i++)
+		bodies.met.resize(moved.size());
+		bodies.leastHeavy.resize(moved.size());
+		system.forBodies(nullptr, [&](std::size_t i) {
 			moved[i] = { motionOf<Space>(&freeVelocity[Space::freedoms * i]), system.bodies[i].pushed };
+			bodies.met[i] = 0;
+			bodies.leastHeavy[i] = std::numeric_limits<double>::infinity();
+		});
 		for (const ContactRow<Space>& c : system.contacts) {
 			const BodyVelocityIn<Space>&A = system.bodies[c.a], &B = system.bodies[c.b];
 			const bool passes = c.wnn > 0; // else nothing can move along the normal
@@ -38,13 +51,6 @@ namespace {
 			b.s += actingOnB(wb, c, p) + (passes ? B.twisted * c.armB() : 0);
 		}
 	}
-
-	// Of the bodies.
-	template <class Space> struct Bodies {
-		std::vector<Moved<Space>> moved;
-		std::vector<char> met;
-		std::vector<double> leastHeavy; // smallest s of the far heavier bodies that it carries [m/s]
-	};
 
 } // namespace
 
@@ -147,9 +153,7 @@ void addResiduals(const ContactSystem<Space>& system, const std::vector<double>&
 	auto& moved = bodies->moved; // no structured bindings: a lambda below captures them
 	auto& met = bodies->met;
 	auto& leastHeavy = bodies->leastHeavy;
-	moveBodies(system, freeVelocity, moved);
-	met.assign(moved.size(), 0);
-	leastHeavy.assign(moved.size(), std::numeric_limits<double>::infinity());
+	moveBodies(system, freeVelocity, *bodies);
 	forEachHeavyOnLight(system, [&](int32_t light, int32_t heavy) {
 		if (moved[heavy].s > 0)
 			leastHeavy[light] = std::min(leastHeavy[light], moved[heavy].s);

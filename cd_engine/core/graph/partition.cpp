@@ -16,15 +16,15 @@ int32_t Partition::root(int32_t body)
 
 namespace {
 
-	// Whether `of` holds what now() says of all; makes it so.
-	template <class Of, class All, class Now> bool renew(Of& of, const All& all, const Now& now, Threads* threads)
+	// Whether `of` holds what now(i) says of all; makes it so.
+	template <class Of, class Now> bool renew(Of& of, std::size_t count, const Now& now, Threads* threads)
 	{
-		const bool known = of.size() == all.size();
-		of.resize(all.size());
+		const bool known = of.size() == count;
+		of.resize(count);
 		const auto compare = [&](std::size_t from, std::size_t to) {
 			bool same = known;
 			for (std::size_t i = from; i < to; i++) {
-				const auto one = now(all[i]);
+				const auto one = now(i);
 				if (of[i] == one)
 					continue;
 				same = false;
@@ -42,7 +42,7 @@ template <class Space> bool Partition::sameLinks(const ContactSystem<Space>& sys
 	if (knows(system))
 		return true;
 	const bool same = renew(
-	    links, system.contacts, [](const auto& c) { return linkOf(c); }, threads);
+	    links, system.contacts.size(), [&](std::size_t i) { return linkOf(system.contacts[i]); }, threads);
 	// A contact that could not be solved may be solvable the next time.
 	contactSet = anyOf(threads, links.size(), [&](std::size_t i) { return !links[i].solvable; }) ? 0 : system.contactSet;
 	return same;
@@ -51,8 +51,8 @@ template <class Space> bool Partition::sameLinks(const ContactSystem<Space>& sys
 template <class Space> bool Partition::update(const ContactSystem<Space>& system, Threads* threads)
 {
 	assert(knows(system) || system.consistent());
-	const auto count = [](const BodyVelocityIn<Space>& b) { return static_cast<uint8_t>(freedoms(b)); };
-	const bool bodies = renew(freedom, system.bodies, count, threads);
+	const auto count = [&](std::size_t i) { return static_cast<uint8_t>(system.isStill(i) ? 0 : freedoms(system.bodies[i])); };
+	const bool bodies = renew(freedom, system.bodies.size(), count, threads);
 	const bool contacts = sameLinks(system, threads);
 	if (bodies && contacts)
 		return false;

@@ -17,10 +17,8 @@ namespace {
 	template <class Space> void copyVelocities(const ContactSystem<Space>& system, std::vector<double>& to, Threads* threads)
 	{
 		to.resize(Space::freedoms * system.bodies.size());
-		forRanges(threads, system.bodies.size(), [&](std::size_t from, std::size_t end) {
-			for (std::size_t i = from; i < end; i++)
-				std::memcpy(&to[Space::freedoms * i], system.bodies[i].v, sizeof system.bodies[i].v);
-		});
+		system.forBodies(
+		    threads, [&](std::size_t i) { std::memcpy(&to[Space::freedoms * i], system.bodies[i].v, sizeof system.bodies[i].v); });
 	}
 
 	template <class Space> void addImpulse(ContactSystem<Space>& system, const ContactRow<Space>& c)
@@ -259,8 +257,9 @@ SolverReport IslandSolver<Space>::operator()(
 	else
 		system.contacts.make();
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
-		for (std::size_t i = 0; i < system.bodies.size(); i++)
+		system.forBodies(settings.threads, [&](std::size_t i) {
 			std::memcpy(system.bodies[i].v, &freeVelocity[Space::freedoms * i], sizeof system.bodies[i].v);
+		});
 		SolverSettings left = settings;
 		left.maxIterations -= report.iterations;
 		report = conclude(system, solveInParts(system, method, left), settings.tolerance, stillness);

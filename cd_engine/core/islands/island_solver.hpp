@@ -77,7 +77,7 @@ template <class Space> class IslandSolver {
 	std::vector<ResidualSum> sums; // errors of the islands
 	std::vector<ResidualSum> all; // scratch: errors of the islands, those that sleep on included
 	ResidualSum lone; // errors of all islands of one contact
-	std::vector<double> freeVelocity; // velocities without impulses
+	std::vector<double> freeVelocity; // velocities without impulses, of the bodies with contacts at least
 	IslandPart<Space> part; // of the system
 	std::size_t touching = 0; // movable bodies with a contact
 	std::vector<SleepingIsland> found; // asleep, sorted by name

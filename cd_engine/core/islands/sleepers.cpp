@@ -38,7 +38,11 @@ template <class Space> void Sleepers<Space>::update(World& world)
 		wakeAll(world);
 	if (none())
 		return;
+	const uint8_t* const still = world.stillSince(seen);
+	seen = world.reading;
 	for (std::size_t i = 0; i < of.size(); i++) {
+		if (still && still[i] && of[i] == unchanged)
+			continue;
 		const auto body = static_cast<int32_t>(i);
 		const Body& now = world.bodies[i];
 		const bool immobile = isGuided(now);

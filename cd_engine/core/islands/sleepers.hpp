@@ -97,6 +97,7 @@ template <class Space> class Sleepers {
 	std::vector<SleepingIsland> list;
 	std::vector<BoundaryImpulse> impulses;
 	Cause last;
+	long seen = 0; // World::reading of the last update
 };
 
 } // namespace cd

@@ -34,6 +34,21 @@ template <class Space> struct ContactSystem {
 	Workspace* memory = nullptr; // for those who work on it (workspace.hpp); null: they allocate their own each time
 	// Systems with the same memory and the same number have contacts between the same bodies, of the same masses. 0: nothing is known.
 	std::size_t contactSet = 0;
+	const std::vector<uint8_t>* still = nullptr; // World::still of the first bodies; null: not known
+
+	bool isStill(std::size_t body) const { return still && body < still->size() && (*still)[body]; }
+	// Calls f(body) for the bodies of all contacts, for each at least once; in many threads for all bodies, unless there are few contacts.
+	template <class F> void forBodies(Threads* threads, const F& f) const
+	{
+		if (contacts.postponed() || 4 * contacts.size() > bodies.size())
+			return forRanges(threads, bodies.size(), [&](std::size_t from, std::size_t to) {
+				for (std::size_t i = from; i < to; i++)
+					f(i);
+			});
+		for (const ContactRow<Space>& c : contacts)
+			for (const int32_t i : { c.a, c.b })
+				f(static_cast<std::size_t>(i));
+	}
 
 	// For asserts: bodies of contacts exist, normals have unit length, and no friction coefficient is negative.
 	bool consistent() const

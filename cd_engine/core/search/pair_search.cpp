@@ -93,10 +93,13 @@ bool PairSearchOf<Space>::needed(World& world, double dt, double leastMargin, co
 		double fastest = 0, smallest = endless;
 		int32_t beyond = -1;
 	};
-	const bool known = seen.size() == count && world.apart == seenApart;
+	const bool searched = seen.size() == count && world.apart == seenApart;
+	const uint8_t* const still = searched ? world.stillSince(known) : nullptr;
 	const auto measure = [&](std::size_t from, std::size_t to) {
 		Seen all;
 		for (std::size_t i = from; i < to; i++) {
+			if (still && still[i])
+				continue;
 			const BodyOf<Space>& b = world.bodyOf(i);
 			const bool joins = world.masks[i] != 0;
 			ways[i] = joins ? wayOf(b, world.shapes[i], dt) : 0;
@@ -105,7 +108,7 @@ bool PairSearchOf<Space>::needed(World& world, double dt, double leastMargin, co
 				needs[i] = std::max(needs[i], outran[i]);
 			all.fastest = std::max(all.fastest, ways[i]);
 			all.smallest = isBoundary(b) ? all.smallest : std::min(all.smallest, b.radius);
-			if (!known || all.beyond >= 0)
+			if (!searched || all.beyond >= 0)
 				continue;
 			world.listed[i] = !joins && seenMasks[i] == 0 ? endless : margins[i] - used(world, i);
 			all.beyond = needs[i] <= world.listed[i] ? -1 : static_cast<int32_t>(i);
@@ -119,7 +122,8 @@ bool PairSearchOf<Space>::needed(World& world, double dt, double leastMargin, co
 	fastest = all.fastest;
 	least = std::isinf(all.smallest) ? 0 : leastMargin * all.smallest;
 	longest = fastest / all.smallest;
-	return !known || beyond >= 0;
+	known = world.reading;
+	return !searched || beyond >= 0;
 }
 
 template <class Space> void PairSearchOf<Space>::find(World& world, const std::vector<int>& rank)

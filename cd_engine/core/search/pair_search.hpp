@@ -51,6 +51,7 @@ template <class Space> class PairSearchOf {
 	double used(const World&, std::size_t shape) const;
 
 	int32_t beyond = -1;
+	long known = 0; // World::reading of the last step
 	double least = 0; // margin of slow bodies [m]
 	double fastest = 0, longest = 0; // largest way of a body in this step [m], and the same over the smallest radius
 	std::vector<double> ways, needs; // of the shapes: ways in this step, and distances up to which pairs must be listed [m]

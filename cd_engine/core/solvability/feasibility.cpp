@@ -324,7 +324,7 @@ template <class Space> bool surelySolvable(const ContactSystem<Space>& s, Thread
 {
 	if (s.contacts.compliant)
 		return true;
-	return !anyOf(threads, s.bodies.size(), [&](std::size_t i) { return isDriven(s.bodies[i]); })
+	return !anyOf(threads, s.bodies.size(), [&](std::size_t i) { return !s.isStill(i) && isDriven(s.bodies[i]); })
 	    && (s.contacts.postponed() // they push nothing
 		|| !anyOf(threads, s.contacts.size(), [&](std::size_t i) { return !(s.contacts[i].bias >= 0); }));
 }

@@ -69,15 +69,19 @@ namespace {
 
 } // namespace
 
-void StandingShapes<Space3>::stand(const WorldOf<Space3>& world, double ahead, bool any)
+void StandingShapes<Space3>::stand(const WorldOf<Space3>& world, double ahead, bool any, const uint8_t* still)
 {
 	shapeOf = any ? &turned : &world.shapes;
+	filled = filled && still;
 	if (!any)
 		return;
 	turned.resize(world.shapes.size());
 	for (std::size_t i = 0; i < world.bodies.size(); i++)
-		if (const SpaceBody& b = world.bodies[i]; isBoundary(b))
+		if (filled && still[i])
+			continue;
+		else if (const SpaceBody& b = world.bodies[i]; isBoundary(b))
 			turned[i] = turns(b) ? rotated(world.shapes[i], ahead * spinOf(b)) : world.shapes[i];
+	filled = true;
 }
 
 template <class Space>
@@ -93,9 +97,13 @@ typename BodyMotion<Space>::Start BodyMotion<Space>::begin(const World& world, d
 	shifts.clear();
 	const double ahead = world.ahead(dt);
 	const bool belts = !world.surfaces.empty();
+	const uint8_t* const still = world.stillSince(seen);
+	system.still = world.reading != 0 ? &world.still : nullptr;
 	const auto begin = [&](std::size_t from, std::size_t to) {
 		Start start { false, known, false };
 		for (std::size_t i = from; i < to; i++) {
+			if (still && still[i])
+				continue;
 			const BodyOf<Space>& b = world.bodies[i];
 			start.sameMasses = start.sameMasses && std::equal(b.inverseMass, b.inverseMass + Space::freedoms, system.bodies[i].w);
 			const bool belt = belts && world.isBelt(i);
@@ -111,7 +119,7 @@ typename BodyMotion<Space>::Start BodyMotion<Space>::begin(const World& world, d
 	const Start all = reduceRanges<Start>(&threads, count, begin, [](const Start& a, const Start& b) {
 		return Start { a.turns || b.turns, a.sameMasses && b.sameMasses, a.guides || b.guides };
 	});
-	this->stand(world, ahead, all.turns);
+	this->stand(world, ahead, all.turns, still);
 	return all;
 }
 
@@ -120,7 +128,8 @@ template <class Space> void BodyMotion<Space>::resetFree(const World& world, dou
 	const bool belts = !world.surfaces.empty();
 	forRanges(&threads, world.bodies.size(), [&](std::size_t from, std::size_t to) {
 		for (std::size_t i = from; i < to; i++)
-			setFree(world.bodies[i], dt, belts && world.isBelt(i), system.bodies[i]);
+			if (!system.isStill(i))
+				setFree(world.bodies[i], dt, belts && world.isBelt(i), system.bodies[i]);
 	});
 }
 
@@ -142,6 +151,7 @@ template <class Space> bool BodyMotion<Space>::average(const World& world, doubl
 	assert(bodies.size() >= world.bodies.size() && way.size() == world.bodies.size());
 	meanOf.resize(way.size());
 	const bool implicit = world.compliant(), belts = !world.surfaces.empty();
+	const uint8_t* const still = world.stillSince(seen);
 	double most = endless;
 	if (!solved && !way.empty())
 		most = (4 * *std::max_element(way.begin(), way.end()) + 2 * smallestRadius(world)) / dt;
@@ -152,6 +162,8 @@ template <class Space> bool BodyMotion<Space>::average(const World& world, doubl
 	const auto average = [&](std::size_t from, std::size_t to) {
 		Found found;
 		for (std::size_t i = from; i < to; i++) {
+			if (still && still[i])
+				continue;
 			const BodyOf<Space>& b = world.bodies[i];
 			const double* v = bodies[i].v;
 			const bool belt = belts && world.isBelt(i);
@@ -176,12 +188,15 @@ template <class Space> void BodyMotion<Space>::shift(int32_t body, const VectorO
 	moveBy(placeOf[body], by);
 }
 
-template <class Space> bool BodyMotion<Space>::finish(World& world, double h, const Velocities& bodies, Threads& threads) const
+template <class Space> bool BodyMotion<Space>::finish(World& world, double h, const Velocities& bodies, Threads& threads)
 {
 	const bool implicit = world.compliant(), belts = !world.surfaces.empty();
+	const uint8_t* const still = world.stillSince(seen);
 	const auto finish = [&](std::size_t from, std::size_t to) {
 		bool moves = false;
 		for (std::size_t i = from; i < to; i++) {
+			if (still && still[i])
+				continue;
 			BodyOf<Space>& b = world.bodies[i];
 			const double* v = bodies[i].v;
 			if (belts && world.isBelt(i)) {
@@ -200,6 +215,7 @@ template <class Space> bool BodyMotion<Space>::finish(World& world, double h, co
 	const bool moves = reduceRanges<bool>(&threads, world.bodies.size(), finish, [](bool a, bool b) { return a || b; });
 	for (const Shift& shift : shifts)
 		moveBy(world.bodies[shift.body], shift.by);
+	seen = world.reading;
 	return moves;
 }
 
@@ -224,7 +240,7 @@ template <class Space> void BodyMotion<Space>::placeBack(const World& world, dou
 	placeOf.clear();
 	for (const BodyOf<Space>& b : world.bodies)
 		placeOf.push_back(placeAhead(b, ahead));
-	this->stand(world, ahead, true);
+	this->stand(world, ahead, true, nullptr);
 }
 
 template class BodyMotion<Plane>;

@@ -19,7 +19,7 @@ template <class Space> double smallestRadius(const WorldOf<Space>& world)
 // The shapes of boundaries, as they stand where contact is looked for. In the plane `Place` knows how far they have turned.
 template <class Space> class StandingShapes {
     protected:
-	void stand(const WorldOf<Space>&, double, bool) { }
+	void stand(const WorldOf<Space>&, double, bool, const uint8_t*) { }
 };
 
 template <> class StandingShapes<Space3> {
@@ -28,11 +28,12 @@ template <> class StandingShapes<Space3> {
 	bool anyTurns() const { return shapeOf == &turned; }
 
     protected:
-	// `any`: whether a boundary turns. ahead: how far ahead of the bodies' places [s].
-	void stand(const WorldOf<Space3>&, double ahead, bool any);
+	// `any`: whether a boundary turns. ahead: how far ahead of the bodies' places [s]. still: World::stillSince.
+	void stand(const WorldOf<Space3>&, double ahead, bool any, const uint8_t* still);
 
     private:
 	std::vector<SpaceShape> turned; // if any turns
+	bool filled = false; // whether `turned` holds what is still
 	const std::vector<SpaceShape>* shapeOf = nullptr; // those of the world, or `turned`
 };
 
@@ -66,7 +67,7 @@ template <class Space> class BodyMotion : public StandingShapes<Space> {
 	// The kinetic energy that a step by backward Euler takes, sum m |v' - v|^2/2 [J]; before the bodies are moved.
 	static double damped(const World&, const Velocities&, Threads&);
 	// Moves the bodies to the end of the step. Returns whether any body moves.
-	bool finish(World&, double dt, const Velocities&, Threads&) const;
+	bool finish(World&, double dt, const Velocities&, Threads&);
 	// Finds the places of the last step of dt anew, from the bodies after it.
 	void placeBack(const World&, double dt);
 
@@ -88,6 +89,7 @@ template <class Space> class BodyMotion : public StandingShapes<Space> {
 	std::vector<double> way;
 	std::vector<Shift> shifts; // of those that were stopped at a face
 	double largestSpeed = 0;
+	long seen = 0; // World::reading of the last step that was made
 };
 
 } // namespace cd

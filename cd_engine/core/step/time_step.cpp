@@ -152,7 +152,8 @@ template <class Space> StepReport TimeStep<Space>::operator()(World& world, cons
 		if (corrects && correction(world, step, finder, system.contacts.all()))
 			report.idle = false;
 	}
-	system.contacts.forgetSource(); // `step` may be gone when somebody reads them
+	system.contacts.forgetSource(); // `step` may be gone when somebody reads them, and the world, too
+	system.still = nullptr;
 	return report;
 }
 
