@@ -179,7 +179,8 @@ void ProblemBuilder<Plane>::guessAgain(const StepView<Plane>& now, const Contact
 	}
 }
 
-bool ProblemBuilder<Plane>::lowerRebounds(const StepView<Plane>& now, ContactSystem<Plane>& system, const SolverReport& report, bool last)
+bool ProblemBuilder<Plane>::lowerRebounds(
+    const StepView<Plane>& now, ContactSystem<Plane>& system, const SolverReport& report, double tolerance, bool last)
 {
 	if (!rebounds.any())
 		return false;
@@ -188,7 +189,7 @@ bool ProblemBuilder<Plane>::lowerRebounds(const StepView<Plane>& now, ContactSys
 	// A gap correction adds energy by itself, so this test does not apply to it.
 	const bool unsolved = report.status == Status::max_iterations || report.status == Status::stagnated;
 	return now.settings.gapCorrection == 0 && (report.status == Status::converged || unsolved)
-	    && rebounds.lower(system, now.world.bodies, now.dt(), now.settings.solver.tolerance, unsolved || last);
+	    && rebounds.lower(system, now.world.bodies, now.dt(), tolerance, unsolved || last);
 }
 
 // The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether all can be solved

@@ -24,7 +24,7 @@ template <> class ProblemBuilder<Plane> : GroupSource<Plane> {
 	void guessAgain(const StepView<Plane>&, const ContactFinder<Plane>&, ContactSystem<Plane>&, bool warm) const;
 	// Whether the step must be solved again because its rebounds demand more than the energy allows, or make it unsolvable. last: it can be
 	// solved only once more.
-	bool lowerRebounds(const StepView<Plane>&, ContactSystem<Plane>&, const SolverReport&, bool last);
+	bool lowerRebounds(const StepView<Plane>&, ContactSystem<Plane>&, const SolverReport&, double tolerance, bool last);
 	// Whether rebounds that are all given up still add energy.
 	bool energyRemains() const { return rebounds.energyRemains(); }
 

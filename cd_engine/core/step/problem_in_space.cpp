@@ -168,7 +168,8 @@ void ProblemBuilder<Space3>::guessAgain(
 	}
 }
 
-bool ProblemBuilder<Space3>::lowerRebounds(const StepView<Space3>& step, ContactSystem<Space3>& system, const SolverReport& report, bool last)
+bool ProblemBuilder<Space3>::lowerRebounds(
+    const StepView<Space3>& step, ContactSystem<Space3>& system, const SolverReport& report, double tolerance, bool last)
 {
 	if (!rebounds.any())
 		return false;
@@ -176,7 +177,7 @@ bool ProblemBuilder<Space3>::lowerRebounds(const StepView<Space3>& step, Contact
 		return rebounds.giveUp(system, report.contact);
 	const bool unsolved = report.status == Status::max_iterations || report.status == Status::stagnated;
 	return step.settings.gapCorrection == 0 && (report.status == Status::converged || unsolved)
-	    && rebounds.lower(system, step.world.bodies, step.dt(), step.settings.solver.tolerance, unsolved || last);
+	    && rebounds.lower(system, step.world.bodies, step.dt(), tolerance, unsolved || last);
 }
 
 } // namespace cd

@@ -14,7 +14,7 @@ template <> class ProblemBuilder<Space3> {
 	void build(const StepView<Space3>&, const ContactFinder<Space3>&, ContactSystem<Space3>&, bool same, bool postpones);
 	void append(const StepView<Space3>&, const ContactFinder<Space3>&, ContactSystem<Space3>&);
 	void guessAgain(const StepView<Space3>&, const ContactFinder<Space3>&, ContactSystem<Space3>&, bool warm) const;
-	bool lowerRebounds(const StepView<Space3>&, ContactSystem<Space3>&, const SolverReport&, bool last);
+	bool lowerRebounds(const StepView<Space3>&, ContactSystem<Space3>&, const SolverReport&, double tolerance, bool last);
 	bool energyRemains() const { return rebounds.energyRemains(); }
 
     private:

@@ -137,6 +137,7 @@ bool Rebounds<Space>::lower(ContactSystem& system, const std::vector<BodyOf<Spac
 		balance.sinceBefore += work;
 		balance.sinceFree += work;
 	}
+	const bool first = tolerance > mostGain && !atOnce;
 	bool any = false;
 	remains = false;
 	for (Balance& balance : balances) {
@@ -145,9 +146,10 @@ bool Rebounds<Space>::lower(ContactSystem& system, const std::vector<BodyOf<Spac
 		if (!(gain > allowed))
 			continue;
 		(balance.lowered < all ? any : remains) = true;
-		balance.lowered = atOnce ? all : std::min(balance.lowered + 1, all);
+		if (!first)
+			balance.lowered = atOnce ? all : std::min(balance.lowered + 1, all);
 	}
-	return any && reduce(system);
+	return any && (first || reduce(system));
 }
 
 template class Rebounds<Plane>;

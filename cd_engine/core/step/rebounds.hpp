@@ -32,8 +32,8 @@ template <class Space> class Rebounds {
 
     public:
 	// Energy that a step may add at a loose tolerance, as a share of the sum of m |dv|^2, with dv the velocity change by the impulses. A step
-	// that is solved again is solved at least to this tolerance.
-	static constexpr double mostGain = 1e-5;
+	// that adds more is solved again at least to this tolerance: energy that then remains is made by the law, not by the error of the solution.
+	static constexpr double mostGain = 1e-3;
 
 	// A new step, of so many contacts; 0: none rebounds.
 	void restart(const StepView<Space>&, std::size_t contacts);
@@ -49,7 +49,8 @@ template <class Space> class Rebounds {
 	// Lowers the biases in the islands whose impulses have added more energy than round-off, `tolerance` and mostGain allow. Returns whether this
 	// changed a bias. To be called again after the next solution. `before`: the bodies before the step of dt. Islands are lowered only if the
 	// energy grows both over the whole step and over the impulses alone. If only one of the two grows, the work of the forces in the step causes
-	// it, not the rebounds. atOnce: give up all rebounds of such an island.
+	// it, not the rebounds. atOnce: give up all rebounds of such an island. Where `tolerance` is above mostGain, only says that there are such
+	// islands.
 	bool lower(ContactSystem&, const std::vector<BodyOf<Space>>& before, double dt, double tolerance, bool atOnce);
 
 	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.

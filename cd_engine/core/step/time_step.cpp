@@ -82,7 +82,7 @@ template <class Space> bool TimeStep<Space>::attempt(World& world, const StepVie
 		const bool last = spent && goal.most > wanted.maxIterations;
 		bool again;
 		if (rebounds) { // a contact that impulses of others close waits for the next step; its own velocity then determines its rebound
-			again = builder.lowerRebounds(step, system, report.solver, spent);
+			again = builder.lowerRebounds(step, system, report.solver, goal.tolerance, spent);
 			if (!again && exactly != status && builder.energyRemains())
 				status = exactly;
 		} else {
