@@ -24,8 +24,10 @@ from .watching import Unstable, watch
 ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear", "PlateLoads")
 __all__ = [*ENGINES, "TESTED", "Unstable", "engines", "film", "methods", "picture", "release", "timeStep", "watch"]
 
-SPRING_TOLERANCE = 0.1  # of contacts with a stiffness: relative to the motion of a step
-FLOW_TOLERANCES = {"bodies": 1e-4, "means": 1e-3}  # of flows, for the motion of single bodies or for means; a packing at rest needs more accuracy
+# For the motion of single bodies, or for means: the tolerance of flows of rigid bodies, and that of contacts with a stiffness, which is relative to the
+# motion of a step. Rigid bodies at rest need more accuracy than flows.
+FLOW_TOLERANCES = {"bodies": 1e-4, "means": 1e-3}
+SPRING_TOLERANCES = {"bodies": 0.1, "means": 1.0}
 
 # Versions of YADE that all tests were run with, and the Debian that packages them. The compiled module checks the binary interface of the running
 # YADE. Any other version that passes this check runs, too, with a message that nobody has tested it.
@@ -100,8 +102,8 @@ def engines(*, accuracy="bodies", **settings):
     accuracy: what flows are to be right in. "bodies": the motion of single bodies; "means": means over many bodies, or over time, as a rate or a
         slope, in less time. ValueError for another word, and beside settings that say how exact steps are.
     settings: attributes of `ContactDynamics`. Without a tolerance, steps are solved to 1e-4 (for means to 1e-3) after bodies have flowed or collided,
-        and to 1e-6 when nothing slides or collides any more (flowTolerance). With a stiffness and without a tolerance, errors may be a tenth of the
-        motion of a step.
+        and to 1e-6 when nothing slides or collides any more (flowTolerance). With a stiffness and without a tolerance, errors may be a tenth (for
+        means the whole) of the motion of a step, which the next step corrects.
 
     Insert engines that push or move bodies (ForceEngine, PyRunner) before ContactDynamics. ContactDynamics itself finds the pairs that may touch. The
     collider is for springs and for YADE's tools; it does nothing during a run.
@@ -111,11 +113,10 @@ def engines(*, accuracy="bodies", **settings):
     springs = settings.get("materialStiffness") or settings.get("stiffness", math.inf) != math.inf
     if accuracy not in FLOW_TOLERANCES:
         raise ValueError(f"engines(accuracy={accuracy!r}): it must be one of {', '.join(map(repr, FLOW_TOLERANCES))}")
-    said = [name for name in ("tolerance", "flowTolerance", "fixedIterations") if name in settings] + ["a stiffness"] * springs
+    said = [name for name in ("tolerance", "flowTolerance", "fixedIterations") if name in settings]
     if accuracy != "bodies" and said:
-        raise ValueError(f"engines(accuracy={accuracy!r}) sets the tolerance of flows of rigid bodies; it has no meaning beside {said[0]}. "
-                         "Leave one of the two out.")
-    usual = {"tolerance": SPRING_TOLERANCE} if springs else {"flowTolerance": FLOW_TOLERANCES[accuracy]}
+        raise ValueError(f"engines(accuracy={accuracy!r}) sets the tolerance; it has no meaning beside {said[0]}. Leave one of the two out.")
+    usual = {"tolerance": SPRING_TOLERANCES[accuracy]} if springs else {"flowTolerance": FLOW_TOLERANCES[accuracy]}
     _let_colliders_begin()
     return [
         w.ForceResetter(),

@@ -139,7 +139,7 @@ def quantities(table):
     within, severe = ({name: rows[rows.ratio.between(*both)].falls for name, rows in (("md", md), ("cd", cd))} for both in ((1.55, 1.75), (1.79, 9)))
     pairs = md.merge(cd, on=case, suffixes=(" MD", " CD"))
     below, above = pairs[pairs["load over limit MD"] < 1], pairs[pairs["load over limit MD"] > 1]
-    errors, most = table["stress error/P0"], "sliding at most, {} cycle".format
+    most = "sliding at most, {} cycle".format
     first_load = dense[dense.dSigma == 0.1]
     fewer = first_load[most("last")] / first_load[most("first")]
     quiet = md[~md.falls & (md[load] < 1)]

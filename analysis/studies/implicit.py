@@ -103,10 +103,8 @@ def quantities(table):
     by = springs.pivot(index="stiffness_over_kn", columns="packing", values="largest")
     checks = table[(table.medium == SPRINGS) & (table.packing == seeds[0]) & (table.dSigma == table.dSigma.min()) & (table.stiffness_over_kn == 1)]
     high = table[(table.medium == SPRINGS) & (table.dSigma > table.dSigma.min())]
-    md = table[(table.medium == MD) & (table.dSigma == table.dSigma.min()) & (table.stiffness_over_kn == 1)]
-    laws = md[md.law == "path_independent"].set_index("packing").largest / md[md.law == "standard"].set_index("packing").largest
     means = main[main.medium == MD].groupby("stiffness_over_kn").largest.mean()
     return {"packings": len(seeds), "same": springs.dropna(subset=["largest over MD"]), "usual_over": springs[springs.stiffness_over_kn == 1],
             "md_means": means, "rigid": rigid.largest, "steps": checks.sort_values("step_s"),
-            "powers": pandas.Series(np.polyfit(np.log(by.index.astype(float)), np.log(by), 1)[0]), "by": by, "high": high, "laws": laws.dropna(),
+            "powers": pandas.Series(np.polyfit(np.log(by.index.astype(float)), np.log(by), 1)[0]), "by": by, "high": high,
             "unsolved": int(springs.unsolved_steps.sum())}

@@ -209,7 +209,7 @@ def quantities(table):
     standing = {load: {medium: int(rows.stands.notna().sum()) for medium, rows in own.items()} for load, own in lives.items()}
     medians = {load: {medium: rows["collapses after"].fillna(rows.stands).median() for medium, rows in own.items()} for load, own in lives.items()}
     same, harder = ({load: _lives(own[one], own[two]) for load, own in lives.items()} for one, two in ((SPRINGS, MD), (RIGID, SPRINGS)))
-    coarse_lives, law_lives = (_lives(rows[rows.dSigma == LIVES[0]], lives[LIVES[0]][MD]) for rows in (stepped(COLLAPSE), other(COLLAPSE)))
+    coarse_lives = _lives(stepped(COLLAPSE)[stepped(COLLAPSE).dSigma == LIVES[0]], lives[LIVES[0]][MD])
     chance = lambda counts: stats.binomtest(counts[0], counts[0] + counts[1]).pvalue
     slow_md, slow = of(SLOW, MD), of(SLOW, SPRINGS)
     slow_ratios = {window: _pairs(slow, slow_md, _window(window)) for window in WINDOWS if window[1] <= OVERLAP}
