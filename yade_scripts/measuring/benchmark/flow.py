@@ -6,8 +6,8 @@ Steps of 1 ms, one thread. The first BEGIN steps let the flow start, with the to
 the scene are taken out. `steps` steps follow whose sweeps are counted, then as many that are timed, so that nothing is recorded while time is
 measured. A time is the processor time of a long run less that of a run of one step.
     With tolerance 0 every step has FIXED sweeps. The same with MORE sweeps tells what a sweep costs, and so what a step costs beside its sweeps.
-    Springs have the stiffness k_n for which k_n h^2 W_nn = STIFF between two disks of mean mass. The tolerance of their steps is relative to the motion
-of a step (ENGINES). step_tolerance: the tolerance relative to the impulses, as that of rigid contacts, to which this led (geometric mean).
+    Springs have the stiffness k_n for which k_n h^2 W_nn = STIFF between two disks of mean mass. The tolerance of their steps is relative to their
+motion in a step (ENGINES). step_tolerance: the tolerance relative to the impulses, as that of rigid contacts, to which this led (geometric mean).
     Some problems (EXPORTED) are written while steps are counted, and solved from their first guess to the tolerance of the row. The errors are those
 of their solutions, computed anew from the impulses (core.residual). The sweeps of springs are those of these problems, too.
 """
