@@ -24,8 +24,8 @@ from .watching import Unstable, watch
 ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear", "PlateLoads")
 __all__ = [*ENGINES, "TESTED", "Unstable", "engines", "film", "methods", "picture", "release", "timeStep", "watch"]
 
-# For the motion of single bodies, or for means: the tolerance of flows of rigid bodies, and that of contacts with a stiffness, which is relative to the
-# motion of a step. Rigid bodies at rest need more accuracy than flows.
+# For the motion of single bodies, or for means: the tolerance of flows of rigid bodies, and that of contacts with a stiffness, which is relative to
+# the motion of a step. Rigid bodies at rest need more accuracy than flows.
 FLOW_TOLERANCES = {"bodies": 1e-4, "means": 1e-3}
 SPRING_TOLERANCES = {"bodies": 0.1, "means": 1.0}
 

@@ -2,8 +2,8 @@
 
     yade -n -x yade_scripts/measuring/in_yade.py benchmark.flow '{"scene": "drum", "disks": 2000, "springs": false, "tolerance": 1e-3, "steps": 300}'
 
-Steps of 1 ms, one thread. The first BEGIN steps let the flow start, with the tolerance of the row, and are not measured. Then the engines that observe
-the scene are taken out. `steps` steps follow whose sweeps are counted, then as many that are timed, so that nothing is recorded while time is
+Steps of 1 ms, one thread. The first BEGIN steps let the flow start, with the tolerance of the row, and are not measured. Then the engines that
+observe the scene are taken out. `steps` steps follow whose sweeps are counted, then as many that are timed, so that nothing is recorded while time is
 measured. A time is the processor time of a long run less that of a run of one step.
     With tolerance 0 every step has FIXED sweeps. The same with MORE sweeps tells what a sweep costs, and so what a step costs beside its sweeps.
     Springs have the stiffness k_n for which k_n h^2 W_nn = STIFF between two disks of mean mass. The tolerance of their steps is relative to their
