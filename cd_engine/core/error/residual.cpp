@@ -28,8 +28,7 @@ namespace {
 		std::vector<double> leastHeavy; // smallest s of the far heavier bodies that it carries [m/s]
 	};
 
-	template <class Space>
-	void moveBodies(const ContactSystem<Space>& system, const std::vector<double>& freeVelocity, Bodies<Space>& bodies)
+	template <class Space> void moveBodies(const ContactSystem<Space>& system, const std::vector<double>& freeVelocity, Bodies<Space>& bodies)
 	{
 		std::vector<Moved<Space>>& moved = bodies.moved;
 		moved.resize(system.bodies.size());

@@ -257,9 +257,8 @@ SolverReport IslandSolver<Space>::operator()(
 	else
 		system.contacts.make();
 	if (!inPlace || (report.status == Status::converged && !withinItsOwn(system, report.error, settings.tolerance))) {
-		system.forBodies(settings.threads, [&](std::size_t i) {
-			std::memcpy(system.bodies[i].v, &freeVelocity[Space::freedoms * i], sizeof system.bodies[i].v);
-		});
+		system.forBodies(settings.threads,
+		    [&](std::size_t i) { std::memcpy(system.bodies[i].v, &freeVelocity[Space::freedoms * i], sizeof system.bodies[i].v); });
 		SolverSettings left = settings;
 		left.maxIterations -= report.iterations;
 		report = conclude(system, solveInParts(system, method, left), settings.tolerance, stillness);

@@ -34,8 +34,8 @@ template <class Space> struct WorldOf {
 	// Of each shape [m]: the list of pairs holds every two whose gap is at most the sum of their two values. Empty: all pairs are listed.
 	std::vector<double> listed;
 	long listing = 0; // number of the list of pairs; a new list gets a new number. 0: not numbered, so each step compares the lists
-	// Of each body: whether it is a boundary that nothing moves. What has been found of it stays true until the bodies are read anew, so steps pass
-	// over it: a scene may have a hundred thousand facets. Empty, like `reading` 0: not known, so each step looks at all bodies.
+	// Of each body: whether it is a boundary that nothing moves. What has been found of it stays true until the bodies are read anew, so steps
+	// pass over it: a scene may have a hundred thousand facets. Empty, like `reading` 0: not known, so each step looks at all bodies.
 	std::vector<uint8_t> still;
 	long reading = 0; // number of the reading of the bodies; a new reading gets a new number
 	std::vector<int32_t> awake; // indices of the pairs that a step looks at, ascending; Sleepers::update fills it before every step
