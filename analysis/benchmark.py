@@ -18,6 +18,7 @@ LOOK = {**{name: (style.GREY["77"], marker) for name, marker in zip(PEERS, "v<>P
 TARGET_LOOK = {1e-4: (style.BLUE, "o"), 1e-6: (style.GREEN, "s"), 1e-8: (style.VERMILION, "^")}
 PANELS = 6
 LEGEND = 6  # entries in a line
+LEAST = 1e-17  # error that is drawn where it is 0
 VALUES = {"silo": "share of the spheres that have left", "drum": "share of M1 at the lower right", "penetration": "depth over the sphere's diameter"}
 # What the figures need.
 ORIGIN = {"commit": str, "processor": str, "processes_running_before": (int, float), "instruction_sets": list, "default_method": str}
@@ -79,7 +80,7 @@ def error_against_time(rows, origin, problems=None):
         for method in names:
             (colour, marker), own = LOOK[method], of_problem[of_problem.method == method]
             met, missed = own[own.status == SOLVED], own[own.status != SOLVED][:1]
-            axis.loglog(met.seconds, met.residual, marker=marker, color=colour, markersize=5)
+            axis.loglog(met.seconds, met.residual.clip(lower=LEAST), marker=marker, color=colour, markersize=5)
             axis.loglog([edge] * len(missed), missed.residual, marker=marker, color=colour, mfc="none", ls="none", ms=7)
         axis.set_title(f"{problem}\n{of_problem.contacts.iloc[0]:.0f} contacts", fontsize=9)
         axis.set_xlabel("processor time [s]")

@@ -133,6 +133,31 @@ def test_every_number_of_the_cost_of_the_engine_is_that_of_the_benchmark(root):
                                     rows.seconds_around_a_run.iloc[-1]]) == []
 
 
+def test_every_number_of_problems_in_space_is_that_of_the_benchmark(root):
+    """`auto` solves every problem to 1e-8, and faster than the fastest of Siconos's solvers."""
+    text = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("`make bench` compares these with")[1].split("![Error")[0]
+    rows = publish.read_table(FOLDER / "benchmark" / "space.csv")
+    rows = rows[(rows.target == 1e-8) & (rows.status == "solved")]
+    own = rows[rows.method == "auto"].set_index("problem")
+    peers = rows[rows.method.str.startswith("siconos")].sort_values("seconds")
+    best = peers.drop_duplicates("problem").set_index("problem")
+    gain, solved = best.seconds / own.seconds, peers.groupby("method").problem.nunique()
+    words, table = text.split("\n| problem", 1)
+    fewer = solved.drop("siconos PROX")
+    counts = [solved["siconos PROX"], fewer.min(), fewer.max()]
+    assert misplaced(words.split("To 1e-8 ")[1], [len(own), gain.min(), gain.max(), *counts]) == []
+    assert len(own) == len(best) == rows.problem.nunique() and gain.min() > 1
+    for line in table.splitlines()[2:-2]:
+        name, contacts, peer, siconos, auto = (cell.strip() for cell in line.strip("|").split("|"))
+        problem, = [full for full in own.index if full.lower().startswith(name.lower())]
+        assert best.method[problem] == f"siconos {peer}" and int(contacts) == own.contacts[problem]
+        assert misplaced(f"{siconos} {auto}", [best.seconds[problem], own.seconds[problem]]) == []
+    random = own.index[own.kind == "space"]
+    cells = table.splitlines()[-2].replace("|", " ")
+    assert misplaced(cells, [len(random), 20, 60, own.contacts[random].min(), own.contacts[random].max(), best.seconds[random].min(),
+                             best.seconds[random].max(), own.seconds[random].min(), own.seconds[random].max()]) == []
+
+
 def test_every_number_of_threads_is_that_of_the_benchmark(root):
     section = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("## Threads")[1].split("\n## ")[0]
     text = re.search(r"With 40 000.*?A\s`BodyProblem", section, re.S)[0]

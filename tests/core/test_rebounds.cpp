@@ -137,7 +137,7 @@ TEST_CASE("a loose tolerance leaves no rebounds that make energy")
 				s.mu = mu;
 				s.tolerance = tolerance;
 				s.cluster(4, 1, random);
-				s.checkEnergy(40, 50 * Rebounds<Plane>::mostGain); // held against W_nn p^2, here up to 50 times the energy
+				s.checkEnergy(40, 50 * Rebounds<Plane>::mostGain(1)); // held against W_nn p^2, here up to 50 times the energy
 			}
 }
 

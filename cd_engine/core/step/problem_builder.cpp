@@ -189,7 +189,7 @@ bool ProblemBuilder<Plane>::lowerRebounds(
 	// A gap correction adds energy by itself, so this test does not apply to it.
 	const bool unsolved = report.status == Status::max_iterations || report.status == Status::stagnated;
 	return now.settings.gapCorrection == 0 && (report.status == Status::converged || unsolved)
-	    && rebounds.lower(system, now.world.bodies, now.dt(), tolerance, unsolved || last);
+	    && rebounds.lower(system, now.world.bodies, now.dt(), tolerance, now.settings.restitution, unsolved || last);
 }
 
 // The rows that the kernel cannot make, for contacts that are the same as in the last step. Returns whether all can be solved

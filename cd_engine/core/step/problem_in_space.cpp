@@ -177,7 +177,7 @@ bool ProblemBuilder<Space3>::lowerRebounds(
 		return rebounds.giveUp(system, report.contact);
 	const bool unsolved = report.status == Status::max_iterations || report.status == Status::stagnated;
 	return step.settings.gapCorrection == 0 && (report.status == Status::converged || unsolved)
-	    && rebounds.lower(system, step.world.bodies, step.dt(), tolerance, unsolved || last);
+	    && rebounds.lower(system, step.world.bodies, step.dt(), tolerance, step.settings.restitution, unsolved || last);
 }
 
 } // namespace cd

@@ -102,7 +102,7 @@ template <class Space> bool Rebounds<Space>::giveUp(ContactSystem& system, int32
 }
 
 template <class Space>
-bool Rebounds<Space>::lower(ContactSystem& system, const std::vector<BodyOf<Space>>& before, double dt, double tolerance, bool atOnce)
+bool Rebounds<Space>::lower(ContactSystem& system, const std::vector<BodyOf<Space>>& before, double dt, double tolerance, double e, bool atOnce)
 {
 	assert(before.size() <= system.bodies.size() && dt > 0 && tolerance >= 0);
 	constexpr int all = static_cast<int>(std::size(shares));
@@ -137,12 +137,12 @@ bool Rebounds<Space>::lower(ContactSystem& system, const std::vector<BodyOf<Spac
 		balance.sinceBefore += work;
 		balance.sinceFree += work;
 	}
-	const bool first = tolerance > mostGain && !atOnce;
+	const bool first = tolerance > mostGain(e) && !atOnce;
 	bool any = false;
 	remains = false;
 	for (Balance& balance : balances) {
 		const double gain = std::min(balance.sinceBefore, balance.sinceFree);
-		const double allowed = std::clamp(tolerance, roundOff, mostGain) * balance.scale + roundOff * balance.energy;
+		const double allowed = std::clamp(tolerance, roundOff, mostGain(e)) * balance.scale + roundOff * balance.energy;
 		if (!(gain > allowed))
 			continue;
 		(balance.lowered < all ? any : remains) = true;

@@ -31,9 +31,10 @@ template <class Space> class Rebounds {
 	using ContactSystem = cd::ContactSystem<Space>;
 
     public:
-	// Energy that a step may add at a loose tolerance, as a share of the sum of m |dv|^2, with dv the velocity change by the impulses. A step
-	// that adds more is solved again at least to this tolerance: energy that then remains is made by the law, not by the error of the solution.
-	static constexpr double mostGain = 1e-3;
+	// Energy that the error of a solution may add in a step at a loose tolerance, as a share of the sum of m |dv|^2, with dv the velocity change
+	// by the impulses. Rebounds dissipate up to (1 - e)/(1 + e) of half this sum themselves; beside that it is little, so it does not add up. A
+	// step that adds more is first solved again to this tolerance, which takes most errors away. What then remains counts as made by the law.
+	static double mostGain(double e) { return 1e-5 + 1e-2 * (1 - e); }
 
 	// A new step, of so many contacts; 0: none rebounds.
 	void restart(const StepView<Space>&, std::size_t contacts);
@@ -46,12 +47,12 @@ template <class Space> class Rebounds {
 	// Whether any contact has a part in an impact.
 	bool any() const;
 
-	// Lowers the biases in the islands whose impulses have added more energy than round-off, `tolerance` and mostGain allow. Returns whether this
-	// changed a bias. To be called again after the next solution. `before`: the bodies before the step of dt. Islands are lowered only if the
-	// energy grows both over the whole step and over the impulses alone. If only one of the two grows, the work of the forces in the step causes
-	// it, not the rebounds. atOnce: give up all rebounds of such an island. Where `tolerance` is above mostGain, only says that there are such
-	// islands.
-	bool lower(ContactSystem&, const std::vector<BodyOf<Space>>& before, double dt, double tolerance, bool atOnce);
+	// Lowers the biases in the islands whose impulses have added more energy than round-off, `tolerance` and mostGain(e) allow. Returns whether
+	// this changed a bias. To be called again after the next solution. `before`: the bodies before the step of dt. Islands are lowered only if
+	// the energy grows both over the whole step and over the impulses alone. If only one of the two grows, the work of the forces in the step
+	// causes it, not the rebounds. atOnce: give up all rebounds of such an island. Where `tolerance` is above mostGain(e), only says that there
+	// are such islands. e: the largest of the scene.
+	bool lower(ContactSystem&, const std::vector<BodyOf<Space>>& before, double dt, double tolerance, double e, bool atOnce);
 
 	// Whether the last call of lower() found an island that adds energy although its rebounds are all given up.
 	bool energyRemains() const { return remains; }

@@ -102,7 +102,7 @@ template <class Space> bool TimeStep<Space>::attempt(World& world, const StepVie
 		if (spent)
 			goal.most += 1 + wanted.maxIterations / 10;
 		if (rebounds)
-			goal.tolerance = std::min(goal.tolerance, Rebounds<Space>::mostGain);
+			goal.tolerance = std::min(goal.tolerance, Rebounds<Space>::mostGain(step.settings.restitution));
 		else {
 			builder.append(step, finder, system);
 			if (sleepers.wake(system.contacts, world))
