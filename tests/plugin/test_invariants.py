@@ -1,5 +1,6 @@
 """What no step may change or create: momentum, angular momentum, energy; and what it must keep: cone, gap, determinism."""
 import math
+import random
 
 import numpy as np
 import pytest
@@ -89,3 +90,34 @@ def test_a_scene_saved_after_steps_without_sweeps_goes_on_bitwise(O, tmp_path):
         without += engine.iterations == 0 and engine.sleeping == 0
         plane.goes_on(tmp_path / "half.yade.gz", 21)
     assert without
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 2e-3, 1e-2, 1e-1])
+def test_an_elastic_disk_in_a_cage_gains_no_energy_at_any_tolerance(O, tolerance):
+    """Weightless, between three fixed disks with friction, which lets Newton's law create energy; a little in every impact would add up. The energy
+    after each hundred steps is at most that at the start, up to what one step may add: 1e-5 of sum m |dv|^2, which is 8 times the energy at most."""
+    mat = plane.material(0.1)
+    for k in range(3):
+        a = 2 * math.pi * k / 3 + 0.2 * k
+        plane.disk((0.0200028 * math.cos(a), 0.0200028 * math.sin(a)), 0.01, blocked="xyzXYZ", mat=mat)
+    plane.disk((0, 0), 0.01, velocity=(0.479, 0.682), mat=mat)
+    before = plane.kinetic_energy()
+    cd = plane.engine(1e-3, restitution=1, tolerance=tolerance)
+    for _ in range(20):
+        O.run(100, True)
+        assert plane.kinetic_energy() < before * (1 + 8e-5)
+    assert cd.unconvergedSteps == 0
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-2])
+def test_an_elastic_gas_keeps_its_energy_as_exactly_as_steps_are_solved(O, tolerance):
+    """49 dense disks without friction, e = 1: solutions have errors of the tolerance, and rebounds are not lowered because of them."""
+    mat = plane.material(0)
+    for x, y, half in ((0.075, -0.01, (0.1, 0.01)), (0.075, 0.16, (0.1, 0.01)), (-0.01, 0.075, (0.01, 0.1)), (0.16, 0.075, (0.01, 0.1))):
+        plane.box((x, y), half, mat=mat)
+    r = random.Random(1)
+    for k in range(49):
+        plane.disk((0.0105 + 0.0215 * (k % 7), 0.0105 + 0.0215 * (k // 7)), 0.01, velocity=(r.uniform(-1, 1), r.uniform(-1, 1)), mat=mat)
+    before = plane.kinetic_energy()
+    plane.run(1000, 5e-4, restitution=1, tolerance=tolerance)
+    assert plane.kinetic_energy() == pytest.approx(before, rel=tolerance)
