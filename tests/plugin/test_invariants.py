@@ -111,7 +111,8 @@ def test_an_elastic_disk_in_a_cage_gains_no_energy_at_any_tolerance(O, tolerance
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-2])
 def test_an_elastic_gas_keeps_its_energy_as_exactly_as_steps_are_solved(O, tolerance):
-    """49 dense disks without friction, e = 1: solutions have errors of the tolerance, and rebounds are not lowered because of them."""
+    """49 dense disks without friction, e = 1. The error of a solution changes the energy in a step by up to 8 tolerances (sum m |dv|^2 is 8 times the
+    energy at most), forth and back; rebounds are not lowered because of it, which would add up."""
     mat = plane.material(0)
     for x, y, half in ((0.075, -0.01, (0.1, 0.01)), (0.075, 0.16, (0.1, 0.01)), (-0.01, 0.075, (0.01, 0.1)), (0.16, 0.075, (0.01, 0.1))):
         plane.box((x, y), half, mat=mat)
@@ -120,4 +121,4 @@ def test_an_elastic_gas_keeps_its_energy_as_exactly_as_steps_are_solved(O, toler
         plane.disk((0.0105 + 0.0215 * (k % 7), 0.0105 + 0.0215 * (k // 7)), 0.01, velocity=(r.uniform(-1, 1), r.uniform(-1, 1)), mat=mat)
     before = plane.kinetic_energy()
     plane.run(1000, 5e-4, restitution=1, tolerance=tolerance)
-    assert plane.kinetic_energy() == pytest.approx(before, rel=tolerance)
+    assert plane.kinetic_energy() == pytest.approx(before, rel=8 * tolerance)
