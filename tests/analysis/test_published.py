@@ -158,6 +158,27 @@ def test_every_number_of_problems_in_space_is_that_of_the_benchmark(root):
                              best.seconds[random].max(), own.seconds[random].min(), own.seconds[random].max()]) == []
 
 
+def test_every_number_of_packings_of_spheres_is_that_of_the_benchmark(root):
+    """Of the lines of the table; where a method gives up, the error at which it ends."""
+    text = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("**Packings of spheres**")[1].split("With mu of")[0]
+    rows = publish.read_table(FOLDER / "benchmark" / "spheres.csv")
+    solved, cold = rows.status == "solved", rows.start == "cold"
+    lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if re.match(r"[|] \d", line)]
+    assert len(lines) == len(rows[cold].groupby(["disks", "mu"]))
+    for spheres, mu, peer, own, finest in lines:
+        case = cold & (rows.disks == int(spheres.replace(" ", ""))) & (rows.mu == float(mu))
+        of = {(row.method, row.target): row for row in rows[case].itertuples()}
+        coarse = [of[method, 1e-4] for method in ("siconos nsgs", "auto")]
+        fine = [of.get((method, 1e-8)) for method in ("auto", "siconos nsgs")]
+        for cell, row in zip((peer, own), coarse):
+            assert cell == "not in 120 s" if row.status != "solved" else misplaced(cell, [row.seconds]) == [], (spheres, mu, cell)
+        last = [row.seconds if row.status == "solved" else 120 if row.status.startswith("not within") and fine[0].status == "solved"
+                else row.residual for row in fine]
+        assert misplaced(finest, last) == [], (spheres, mu, finest)
+    warm = rows[solved & ~cold & (rows.method == "auto")].sweeps
+    assert misplaced(re.search(r"before the load rises(.*?) sweeps", text, re.S)[1], [1e-4, warm.min(), warm.max()]) == []
+
+
 def test_every_number_of_threads_is_that_of_the_benchmark(root):
     section = (root / "cd_engine" / "README.md").read_text(encoding="utf-8").split("## Threads")[1].split("\n## ")[0]
     text = re.search(r"With 40 000.*?A\s`BodyProblem", section, re.S)[0]
