@@ -40,7 +40,7 @@ def draw(folder):
     time = "Processor time of one core"
     for figure, name, note in (
             (error_against_time, "solutions", f"{time}; the error is computed anew from the impulses."),
-            (error_in_space, "space", f"{time}; contact problems in space; the error is computed anew from the impulses."),
+            (error_in_space, "space", f"{time}; contact problems in space; the error is computed anew from the impulses; 0 is drawn at {LEAST:g}."),
             (error_of_spheres, "spheres", f"{time}; packings of spheres from zero impulses; the error is computed anew from the impulses."),
             (sweep_cost, "sweeps", f"{time}."), (sweeps_against_size, "solutions", "Medians over the seeds; bars: their range."),
             (step_cost, "step", f"{time}."),
