@@ -100,8 +100,8 @@ void ContactDynamics::settleLatest()
 	engine->onCourse([engine](auto& now) {
 		if (now.link.isUnpublished())
 			now.link.publish(engine->scene, now.step);
+		engine->others.wakeAfterRun(now.link.world.still);
 	});
-	engine->others.wake();
 }
 
 void ContactDynamics::action()
@@ -343,7 +343,7 @@ template <class Space> void ContactDynamics::advance()
 	leaveSprings<Space>();
 	last = keeping;
 	link.world.apart = others.maskApart();
-	others.restCollider(scene);
+	others.restCollider(scene, link.world.still);
 	link.gather(scene, weighs, settings.dt, memory(), checksOrder(), searchMargin, step, {});
 	if (link.world.rolls() && !settings.solveRolling)
 		throw SceneError("ContactDynamics: the method newton does not know the rolling resistance of a CohFrictMat. Set method='auto', or "

@@ -159,10 +159,14 @@ void OtherEngines::check(const yade::Engine* self, yade::Scene* scene, bool weig
 	others = std::move(seen);
 }
 
-void OtherEngines::restCollider(yade::Scene* scene)
+void OtherEngines::restCollider(yade::Scene* scene, const std::vector<uint8_t>& still)
 {
-	if (collider && !needed)
-		collider->dead = resting = awaited() || scene_stopAtIter(scene) > scene_iter(scene) + 1;
+	if (!awaited() && scene_stopAtIter(scene) <= scene_iter(scene) + 1)
+		return wakeAfterRun(still);
+	if (!collider || needed)
+		return;
+	rested = resting ? rested + 1 : 1;
+	collider->dead = resting = true;
 }
 
 void OtherEngines::wake()
@@ -170,6 +174,14 @@ void OtherEngines::wake()
 	if (collider && resting)
 		collider->dead = false;
 	resting = false;
+}
+
+void OtherEngines::wakeAfterRun(const std::vector<uint8_t>& still)
+{
+	constexpr long many = 1000, few = 10; // bodies; steps, in which they hardly pass each other
+	if (resting && rested > few && std::count(still.begin(), still.end(), 0) > many)
+		wakeUnsorted();
+	wake();
 }
 
 void OtherEngines::wakeUnsorted()

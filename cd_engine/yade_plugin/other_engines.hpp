@@ -31,10 +31,14 @@ class OtherEngines {
 	const std::string& lateDriver() const { return late; }
 	bool deadIntegrator() const { return integrator; }
 
-	// Switches the collider off until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp).
-	void restCollider(yade::Scene*);
+	// Switches the collider off until the last step of O.run(n), or while somebody waits for the end of the run (waiting.hpp). still: by body,
+	// whether nothing has moved it.
+	void restCollider(yade::Scene*, const std::vector<uint8_t>& still);
 	// Switches it on again.
 	void wake();
+	// The same after steps. Where many bodies have moved, its lists are far from sorted, and its insertion sort takes a time that grows with the
+	// square of their number; therefore it sorts them from the beginning.
+	void wakeAfterRun(const std::vector<uint8_t>& still);
 	// The same after a refusal. The refused scene may have given the collider NaN bounds. They spoil the order of its sorted lists, so that it
 	// misses pairs for ever; therefore it sorts them anew.
 	void wakeUnsorted();
@@ -63,6 +67,7 @@ class OtherEngines {
 	Shared<yade::Engine> collider;
 	bool needed = false; // whether an engine queries the collider for free space
 	bool resting = false; // whether the collider is switched off
+	long rested = 0; // steps since then
 };
 
 } // namespace cd_engine

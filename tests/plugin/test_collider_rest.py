@@ -1,6 +1,9 @@
 """Pairs are searched anew when bodies have left their margins; YADE's collider rests. Both change only the cost."""
+import math
+
+import numpy as np
 import pytest
-from yade import wrapper
+from yade import utils, wrapper
 
 import cd_engine
 from yade_scripts.running.hooks import runner
@@ -102,3 +105,24 @@ def test_it_is_awake_for_a_factory_of_spheres(O):
     O.engines, O.dt = cd_engine.engines(gravity=(0, -9.81, 0)) + [factory], 1e-3
     O.run(700, True)
     assert len(O.bodies) == 20 and O.engines[2].deepestPenetration < 1e-4 * 0.008
+
+
+@pytest.mark.parametrize("count, anew", [(300, False), (1200, True)])
+def test_it_sorts_anew_where_many_bodies_have_moved(O, count, anew):
+    """YADE's insertion sort takes 6 s for 40 000 facets that have turned, a sort from the beginning 0.5 s. It finds the same pairs."""
+    angle = 2 * math.pi / count
+    ends = [(math.cos(k * angle), math.sin(k * angle)) for k in range(count + 1)]
+    ring = O.bodies.append([utils.facet([(*a, 0), (*b, 0), (1.02 * b[0], 1.02 * b[1], 0.01)]) for a, b in zip(ends, ends[1:])])
+    O.bodies.append(utils.sphere((0, 0, 0), 0.01))
+    plane.engine()
+    O.engines = [*O.engines[:2], wrapper.RotationEngine(ids=ring, rotationAxis=(0, 0, 1), rotateAroundZero=True, angularVelocity=1.0), O.engines[-1]]
+    O.dt = 1e-2
+    O.run(50, True)
+    assert O.engines[1].doSort == anew
+    O.run(1, True)
+    assert not O.engines[1].doSort
+    near = [b.bound for b in O.bodies]
+    low, high = (np.array([getattr(bound, end) for bound in near]) for end in ("min", "max"))
+    overlap = (np.minimum(high[:, None], high) - np.maximum(low[:, None], low)).min(axis=2)
+    expected = {(one, other) for one, other in zip(*np.nonzero(overlap > 1e-9)) if one < other}  # neighbours have a corner in common
+    assert expected and {pair for pair in expected if not O.interactions.has(*map(int, pair))} == set()
