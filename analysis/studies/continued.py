@@ -80,6 +80,11 @@ def draw(runs, rows, path):
                  standing or runs)
 
 
+POINTS = (
+    (21, "This behavior is associated to a quasi-periodic response of the sliding contacts", "section 3, Fig. 3", "agrees in part"),
+)
+
+
 def quantities(table):
     half, whole = "verdict of half", "verdict of all"
     first, last = (f"slip of a contact/R, {name}" for name in ("first loading", "last unloading"))

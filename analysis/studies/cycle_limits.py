@@ -100,4 +100,5 @@ def quantities(table):
         return ", ".join(f"{part[late].abs().median():.1e} ({len(part)} runs)" for part in parts)
 
     rigid_below = rigid[rigid.dSigma < 0.9 * rigid.static]
+    paper = dense_between[(dense_between["stress path"] == "mean") & (dense_between.dSigma == 0.1)]  # the lowest load of the paper's Fig. 3
     return locals() | {"cycles": CYCLES, "kept": lambda rows: rows[last] / rows[first]}

@@ -85,6 +85,8 @@ def quantities(table):
         ("damping_factor = 0.2", "damping_factor = 4.0, md_dt_factor = 0.08"), ("kt_over_kn = 0.25", "kt_over_kn = 1.0")))
     loose, heavy, servo, slow, third = (rows.loc[change] for change in (
         "preparation_friction = 0.1", "wall_mass_ratio = 200.0", "md_walls = servo", "period = 2.0", "md_dt_factor = 0.1"))
+    radii = rows.loc[["radius_spread = 0.1", "radius_spread = 0.5"]]
+    calm = rows.loc[["beta_n = 0.02", "beta_n = 0.4, md_dt_factor = 0.08"]]
     low, high, late_low, late_high = "least ratio", "largest ratio", "least rate ratio", "largest rate ratio"
     assert tangential[low].min() > 0.8 and tangential[high].max() < 1.2
     return locals()

@@ -7,7 +7,7 @@ from analysis.studies.fig3 import SPRINGS
 from analysis.style import plt
 from yade_scripts.tables import product
 
-TITLE = "Does the energy that tangential springs create drive the strain?"
+TITLE = "Does the path dependence of tangential springs drive the strain?"
 QUESTION = ("The standard law, YADE's avoidGranularRatcheting, and the path-independent law of McNamara, Garcia-Rojo and Herrmann (2008) on the"
             " same packings.")
 ORDER = 3.6  # in the report
