@@ -51,10 +51,11 @@ def text(engine):
                      f"  there may be no solution; the strongest sign of this is the contact of bodies #{first} and #{second}")
     elif engine.worstBody >= 0 and not engine.converged:
         lines.append(f"  body #{engine.worstBody} may have the largest error of its velocity")
+    missed = "no tolerance is asked for" if engine.fixedIterations else f"{engine.unconvergedSteps} missed the tolerance"
     lines += [
         f"  {engine.contacts} contacts, {engine.loadedContacts} loaded, {engine.slidingContacts} sliding; "
         f"{engine.islands} islands, {engine.sleeping} asleep; overlap at most {engine.maxPenetration:.2g} m",
-        f"All {engine.steps} steps: {engine.unconvergedSteps} missed the tolerance; {engine.totalIterations / engine.steps:.3g} iterations and "
+        f"All {engine.steps} steps: {missed}; {engine.totalIterations / engine.steps:.3g} iterations and "
         f"{1e3 * engine.solveTime / engine.steps:.3g} ms in the solver a step; overlap at most {engine.deepestPenetration:.2g} m; "
         f"{engine.dissipatedEnergy:.3g} J lost in friction and impacts"]
     if engine.woken:

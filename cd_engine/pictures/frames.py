@@ -36,12 +36,16 @@ def _command(path, options, scales):
 
 
 def frame(path, options, scales):
-    """Add the next frame to the film at `path`; its engine calls this. options: those of the film. scales: what has grown so far, see _grown."""
+    """Add the next frame to the film at `path`; its engine calls this. Before the first disk is there, and after the last one has gone, there is none.
+    options: those of the film. scales: what has grown so far, see _grown."""
     from yade import O
 
     from . import layout
     runner = next(one for one in O.engines if getattr(one, "command", "").startswith(f"{CALL}{path!r}, "))
-    seen = scene.read(options["look"])
+    try:
+        seen = scene.read(options["look"])
+    except scene.NoDisk:
+        return
     scales = _grown(layout, seen, options, scales)
     runner.command = _command(path, options, scales)
     shown = options | scales

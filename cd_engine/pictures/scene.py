@@ -41,15 +41,19 @@ class Scene:
     turned: np.ndarray = None
 
 
+class NoDisk(ValueError):
+    """There is nothing to draw."""
+
+
 def read(look=None):
-    """Return the Scene that YADE holds, seen along `look` if that is given or if the spheres do not lie in a plane. Raise ValueError if it has none,
+    """Return the Scene that YADE holds, seen along `look` if that is given or if the spheres do not lie in a plane. Raise NoDisk if it has none,
     RuntimeError during a run."""
     from yade import O, Vector3
     if engine_methods.runs_besides():
         raise RuntimeError("picture: a run goes on and changes the scene meanwhile. Call O.pause() first, or put cd_engine.film(...) into O.engines")
     spheres = [body for body in O.bodies if type(body.shape).__name__ == "Sphere"]
     if not spheres:
-        raise ValueError("picture: there is no disk in the scene. Append the disks first")
+        raise NoDisk("picture: there is no disk in the scene. Append the disks first")
     states = [body.state for body in spheres]
     place, velocity, spin = (np.array([[*getattr(state, name)] for state in states]) for name in ("pos", "vel", "angVel"))
     radius = np.array([body.shape.radius for body in spheres])

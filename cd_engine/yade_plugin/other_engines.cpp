@@ -64,7 +64,7 @@ namespace {
 
 	const std::vector<int>* drivenBy(yade::Engine* engine, Does does)
 	{
-		return does == Does::drives ? &partial_ids(engine) : does == Does::loads ? &static_cast<PlateLoads*>(engine)->moved() : nullptr;
+		return does == Does::drives ? &partial_ids(engine) : does == Does::loads ? &static_cast<PlateLoads*>(engine)->looksAt() : nullptr;
 	}
 
 	// Why an engine cannot be used with Contact Dynamics, and what to do; empty if it can. before: it stands before ContactDynamics. reset: a

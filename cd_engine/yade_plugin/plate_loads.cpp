@@ -29,7 +29,7 @@ template <class Visitor> void PlateLoads::attributes(Visitor&& visit)
 	    "stressMask", &P::stressMask, within(0, 7), "Bits 1, 2 and 4: *goals* is a stress along x, y and z; without the bit a strain rate [1].");
 	visit("goals", &P::goals, setting, "Stress [Pa] or rate of the true strain [1/s] along x, y and z; negative: compression.");
 	visit("loading", &P::loading, setting,
-	    "How the goals change with the time t: goals (1 + rise s(t)). constant: s = 0; ramp: s = t; cosine: s = (1 - cos(2 pi t/period))/2; "
+	    "How the goals change with the time t = O.time: goals (1 + rise s(t)). constant: s = 0; ramp: s = t; cosine: s = (1 - cos(2 pi t/period))/2; "
 	    "triangle: s rises linearly to 1 in half a period and falls back; smoothStep: s = (1 - cos(pi t/period))/2, from t = period on 1. The "
 	    "goal of a step is that of its middle with ContactDynamics, of its end if contacts have a stiffness there, and of its beginning with "
 	    "springs, "
@@ -42,13 +42,17 @@ template <class Visitor> void PlateLoads::attributes(Visitor&& visit)
 	visit("depth", &P::depth, Access { Access::set, 0, 1e300, true }, "Length of the sample along an axis that has no plates [m].");
 	visit("symmetric", &P::symmetric, setting, "A strain rate moves both plates of its axis; else only the upper one.");
 	visit("goal", &P::goal, result, "The goals of the last step [Pa], [1/s].");
-	visit("strain", &P::strain, result, "True strain along x, y and z since the first step, at the beginning of the last one [1].");
+	visit("strain", &P::strain, result,
+	    "True strain along x, y and z since the first step with these *plates*, at the beginning of the last one [1].");
 	visit("work", &P::work, result,
-	    "Work of the forces on the plates from the first step to the beginning of the last one [J]; what moves plates at a strain rate is not in "
-	    "it.");
+	    "Work of the forces on the plates from the first step to the beginning of the last one [J]. What moves plates at a strain rate is not in "
+	    "it, nor what happens while this engine is dead.");
 	visit("steps", &P::steps, result, "Steps made [1].");
 	visit("faces", &P::faces, internal, "Places of the plates' inner faces at the beginning of the last step [m].");
 	visit("pushes", &P::pushes, internal, "Forces on the plates in the last step [N].");
+	visit("speeds", &P::speeds, internal, "Velocities that the last step has given to the plates, 0 if none [m/s].");
+	visit("lastPlates", &P::lastPlates, internal, "The plates of the last step.");
+	visit("lastStep", &P::lastStep, internal, "Number of the scene's step that was the last one.");
 	visit("firstLengths", &P::firstLengths, internal, "Lengths of the sample at the beginning of the first step [m].");
 }
 
@@ -154,7 +158,7 @@ void PlateLoads::step()
 	const double dt = scene_dt(scene);
 	std::array<Axis, 3> axes;
 	Vector3r length = Vector3r::Constant(depth);
-	std::vector<double> facesNow(6), pushesNow(6);
+	std::vector<double> facesNow(6), pushesNow(6), speedsNow(6);
 	if (plates.size() > 6)
 		refuse(text("plates has ", plates.size(), " ids"), "Give at most six: the lower and the upper plate of x, y and z, -1 for none");
 	for (int k = 0; k < 3; k++) {
@@ -174,10 +178,11 @@ void PlateLoads::step()
 	}
 	const double middle = scene_time(scene) + dt / 2;
 	goal = goalsAt(!implicit ? scene_time(scene) : atEnd ? scene_time(scene) + dt : middle, middle, axes);
-	moves.clear();
+	seen.clear();
 	for (int k = 0; k < 3; k++) {
 		if (!axes[k].given())
 			continue;
+		seen.insert(seen.end(), { plates[2 * k], plates[2 * k + 1] });
 		const bool stress = isStress(k);
 		const double area = length[(k + 1) % 3] * length[(k + 2) % 3], force = goal[k] * area;
 		bool pushed = false;
@@ -197,30 +202,50 @@ void PlateLoads::step()
 					    text("Block '", axisName[k], "' in its state.blockedDOFs, or set the bit of the axis in stressMask"));
 				// So that the true strain grows by goal dt in this step.
 				const double opening = std::expm1(goal[k] * dt) / dt * length[k];
-				state_vel(state)[k] = (side ? 1 : -1) * (symmetric ? opening / 2 : opening);
-			} else
-				continue;
-			moves.push_back(id);
+				speedsNow[2 * k + side] = state_vel(state)[k] = (side ? 1 : -1) * (symmetric ? opening / 2 : opening);
+			}
 		}
 		if (stress && !pushed && goal[k] != 0 && !servo)
 			refuse(text("neither of the plates #", plates[2 * k], " and #", plates[2 * k + 1], " is free along ", axisName[k]),
 			    text("Give one a state.mass and take '", axisName[k],
 				"' out of its state.blockedDOFs, or clear the bit of the axis in stressMask"));
 	}
-	if (steps == 0)
+	stopPlates(speedsNow);
+	const bool same = steps > 0 && plates == lastPlates;
+	if (!same)
 		firstLengths.assign(length.data(), length.data() + 3);
-	else {
+	if (same && lastStep == scene_iter(scene) - 1) {
 		// In the leapfrog scheme a force acts from half a step before to half a step after.
 		double done = 0;
 		for (int i = 0; i < 6; i++)
 			done += (implicit ? pushes[i] : (pushes[i] + pushesNow[i]) / 2) * (facesNow[i] - faces[i]);
 		work += done;
-		for (int k = 0; k < 3; k++)
-			strain[k] = axes[k].given() ? std::log(length[k] / firstLengths[k]) : 0;
 	}
+	for (int k = 0; k < 3; k++)
+		strain[k] = axes[k].given() ? std::log(length[k] / firstLengths[k]) : 0;
 	faces = facesNow;
 	pushes = pushesNow;
+	speeds = speedsNow;
+	lastPlates = plates;
+	lastStep = scene_iter(scene);
 	steps++;
+}
+
+// A blocked plate keeps its velocity: where a strain rate no longer moves it, it stops, unless somebody has given it another velocity.
+void PlateLoads::stopPlates(const std::vector<double>& speedsNow)
+{
+	for (std::size_t i = 0; i < lastPlates.size(); i++) {
+		const int id = lastPlates[i], k = static_cast<int>(i) / 2;
+		if (speeds[i] == 0 || (speedsNow[i] != 0 && plates[i] == id))
+			continue;
+		auto& container = *scene_bodies(scene);
+		const Shared<yade::Body> body = id < static_cast<int>(container.size()) ? container[id] : nullptr;
+		void* const state = body ? body_state(body).get() : nullptr;
+		if (!state || !(state_blockedDOFs(state) >> k & 1) || state_vel(state)[k] != speeds[i])
+			continue;
+		state_vel(state)[k] = 0;
+		seen.push_back(id);
+	}
 }
 
 template class RegisteredEngine<PlateLoads>;

@@ -25,14 +25,17 @@ class PlateLoads : public RegisteredEngine<PlateLoads> {
 	Vector3r goal = Vector3r::Zero(), strain = Vector3r::Zero();
 	double work = 0; // [J]
 	long steps = 0;
-	std::vector<double> faces, pushes, firstLengths;
+	std::vector<double> faces, pushes, speeds = std::vector<double>(6), firstLengths;
+	std::vector<int> lastPlates;
+	long lastStep = -1;
 
 	template <class Visitor> static void attributes(Visitor&& visit);
 	static std::string wordFault(const char* attribute, const std::string& value);
 
 	void action() override;
-	// The plates that the last step has pushed or moved. ContactDynamics reads them anew in every step.
-	const std::vector<int>& moved() const { return moves; }
+	// The plates of the last step, which it has pushed, moved, or looked at. ContactDynamics reads them anew in every step, and shows where they
+	// are.
+	const std::vector<int>& looksAt() const { return seen; }
 
     private:
 	// The two plates of an axis, if it has both.
@@ -44,6 +47,7 @@ class PlateLoads : public RegisteredEngine<PlateLoads> {
 
 	[[noreturn]] static void refuse(const std::string& what, const std::string& remedy);
 	void step();
+	void stopPlates(const std::vector<double>& speedsNow);
 	bool isImplicit();
 	bool atEnd = false; // the load of a step is that of its end
 	void* plate(std::size_t place, int axis, double& face);
@@ -52,7 +56,7 @@ class PlateLoads : public RegisteredEngine<PlateLoads> {
 	double riseAt(int axis, double time) const;
 
 	bool servo = false; // whether YADE's controller moves the plates to the goals
-	std::vector<int> moves;
+	std::vector<int> seen;
 };
 
 extern template class RegisteredEngine<PlateLoads>;

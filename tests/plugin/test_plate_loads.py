@@ -168,3 +168,73 @@ def test_its_place_is_checked(O):
             O.step()
     with pytest.raises(ValueError, match="='sine' is not known; there is 'constant'"):
         cd_engine.PlateLoads(loading="sine")
+
+
+@pytest.mark.parametrize("runs", [1, 10])
+def test_plates_that_others_move_are_seen_in_every_step(O, runs):
+    """A stress along x over a side that the user shortens: the force follows, however the run is cut."""
+    box_of_plates(O, (0.3, 0.3), free="x")
+    plane.disk((0.15, 0.05), 0.15, blocked="yzXYZ")
+    for plate in 2, 3:
+        O.bodies[plate].bounded = False
+    O.bodies[3].state.vel = (0, -0.1, 0)
+    loads = set_engines(O, "CD", cd_engine.PlateLoads(goals=(-P0, 0, 0)))
+    for _ in range(runs):
+        O.run(1000 // runs, True)
+    before = 0.3 - 0.1 * 0.999  # the side at the beginning of the last step
+    assert sum(i.phys.normalForce[0] for i in O.bodies[0].intrs() if i.isReal) == pytest.approx(P0 * before, rel=1e-9)
+    assert loads.strain[1] == pytest.approx(math.log(before / 0.3), rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["MD", "CD"])
+@pytest.mark.parametrize("change", [dict(symmetric=False), dict(stressMask=1), dict(plates=[-1, -1, 2, 3, -1, -1], goals=(0, 0, 0))])
+def test_a_plate_stops_where_a_strain_rate_no_longer_moves_it(O, method, change):
+    box_of_plates(O, free=())
+    plane.disk((0.1, 0.1), 0.01)
+    loads = set_engines(O, method, cd_engine.PlateLoads(goals=(-0.1, 0, 0), stressMask=0, symmetric=True))
+    O.run(200, True)
+    assert O.bodies[0].state.vel[0] > 0 > O.bodies[1].state.vel[0]
+    if "stressMask" in change:
+        O.bodies[1].state.mass, O.bodies[1].state.blockedDOFs = 1e9, "yzXYZ"
+    for name, value in change.items():
+        setattr(loads, name, value)
+    O.run(1, True)
+    place = O.bodies[0].state.pos[0]
+    O.run(100, True)
+    assert O.bodies[0].state.pos[0] == place and O.bodies[0].state.vel[0] == 0
+    assert ("plates" in change) == (O.bodies[1].state.vel[0] == 0)
+    if "symmetric" in change:  # the rate goes on, by the upper plate alone
+        assert loads.strain[0] == pytest.approx(-0.1 * 0.3, rel=1e-12)
+
+
+def test_a_plate_to_which_the_user_gives_another_velocity_keeps_it(O):
+    box_of_plates(O, free=())
+    plane.disk((0.1, 0.1), 0.01)
+    loads = set_engines(O, "CD", cd_engine.PlateLoads(goals=(-0.1, 0, 0), stressMask=0, symmetric=True))
+    O.run(10, True)
+    O.bodies[0].state.vel, loads.symmetric = (0.02, 0, 0), False
+    O.run(10, True)
+    assert O.bodies[0].state.vel[0] == 0.02
+
+
+def test_no_work_is_counted_while_it_is_dead_and_none_between_plates(O):
+    """Dead, its force does not act, and the plate flies on. Other plates have a strain of their own."""
+    box_of_plates(O, (1, 1), free="x")
+    plane.disk((0.1, 0.1), 0.01)
+    loads = set_engines(O, "CD", cd_engine.PlateLoads(goals=(P0, 0, 0)))
+    O.run(100, True)
+    loads.dead = True
+    O.run(100, True)
+    loads.dead = False
+    O.run(1, True)
+    before = loads.work
+    assert loads.strain[0] == pytest.approx(math.log(O.bodies[1].state.pos[0] - O.bodies[1].state.vel[0] * O.dt), rel=1e-3)
+    O.run(1, True)
+    kinetic = O.bodies[1].state.mass * (O.bodies[1].state.vel[0] - P0 * O.dt / O.bodies[1].state.mass)**2 / 2
+    assert loads.work > before and loads.work == pytest.approx(kinetic, rel=0.02)  # the last step before the pause is not counted: 2/100
+    work = loads.work
+    others = O.bodies.append(utils.aabbWalls([(-1, 0, -0.5), (3, 1, 0.5)], thickness=0, material=O.materials[0]))
+    O.bodies[others[1]].state.mass, O.bodies[others[1]].state.blockedDOFs = 5, "yzXYZ"
+    loads.plates = [*others[:2], 2, 3, -1, -1]
+    O.run(1, True)
+    assert loads.work == work and tuple(loads.strain) == (0, 0, 0)
