@@ -14,8 +14,8 @@ def timeStep(gravity=None, speed=None, share=None):
 
     R [m]      radius of the smallest disk that may move
     g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one: set O.engines first
-    v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present; of a body that turns, that of its
-               farthest point, because friction can turn spin into motion. h [m] is the height from the highest disk down to the lowest body; for a
+    v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present or that an engine gives a boundary
+               (RotationEngine and its like); of a body that turns, that of its farthest point, because friction can turn spin into motion. h [m] is the height from the highest disk down to the lowest body; for a
                Box, down to the lowest corner of its upper faces, where a disk that slides down leaves it
     a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF), or a stress of PlateLoads, gives a body that nothing holds; 0 if
                `speed` is given. Give `speed`
@@ -68,7 +68,7 @@ def timeStep(gravity=None, speed=None, share=None):
     pressed = _pressed(O) if speed is None else 0
     if speed is None:
         fall = _fall(O.bodies, movable, [x / g for x in gravity]) if g else 0
-        speed = math.sqrt(max(map(_speed, O.bodies))**2 + 2 * g * fall)
+        speed = math.sqrt(max(*map(_speed, O.bodies), *map(_driven, O.engines), 0, 0)**2 + 2 * g * fall)
     times = ([radius / speed] if speed else []) + [math.sqrt(radius / acceleration) for acceleration in (g, pressed) if acceleration]
     if not times:
         raise ValueError("timeStep: nothing moves, and there is neither gravity nor a permanent force or load, so no speed can be estimated. Set "
@@ -115,12 +115,47 @@ def _loaded(O, loads):
                 for body in pair if body.state.mass > 0 and "xyz"[axis] not in body.state.blockedDOFs), default=0)
 
 
-def _speed(body):
-    """Return the largest speed [m/s] that a point of a body can have."""
+def _size(body):
+    """Return the distance [m] of the farthest point of a body from its centre."""
     kind = type(body.shape).__name__
     corners = {"Box": lambda shape: [shape.extents], "Facet": lambda shape: shape.vertices}.get(kind, lambda shape: [])(body.shape)
-    arm = body.shape.radius if kind == "Sphere" else max((corner.norm() for corner in corners), default=0)
-    return body.state.vel.norm() + body.state.angVel.norm() * arm
+    return body.shape.radius if kind == "Sphere" else max((corner.norm() for corner in corners), default=0)
+
+
+def _speed(body):
+    """Return the largest speed [m/s] that a point of a body can have."""
+    if not all(map(math.isfinite, (*body.state.pos, *body.state.vel, *body.state.angVel))):
+        raise ValueError(f"timeStep: body #{body.id} has a position or a velocity that is not finite. Set its state.pos, state.vel and state.angVel")
+    return body.state.vel.norm() + body.state.angVel.norm() * _size(body)
+
+
+def _driven(engine):
+    """Return the largest speed [m/s] that one of YADE's kinematic engines gives a point of its bodies."""
+    from yade import O
+    if engine.dead:
+        return 0
+    parts = getattr(engine, "comb", [])  # of a CombinedKinematicEngine
+    along = abs(getattr(engine, "linearVelocity", 0))
+    about = abs(getattr(engine, "angularVelocity", 0))
+    if isinstance(speed := getattr(engine, "velocity", 0), numbers.Real):  # of a TranslationEngine
+        along += abs(speed)
+    if type(engine).__name__.startswith("Harmonic"):
+        most = [2 * math.pi * size * rate for size, rate in zip(*([*_each(getattr(engine, name))] for name in ("A", "f")))]
+        along, about = (along + math.hypot(*most), about) if len(most) > 1 else (along, about + abs(most[0]))
+    if about:
+        along += about * max((_arm(engine, body) for body in (O.bodies[id] for id in engine.ids if 0 <= id < len(O.bodies)) if body), default=0)
+    return max(along, *map(_driven, parts), 0)
+
+
+def _each(value):
+    return (value,) if isinstance(value, numbers.Real) else value
+
+
+def _arm(engine, body):
+    """Return the distance [m] of the farthest point of a body from the axis about which an engine turns it."""
+    centre = getattr(engine, "zeroPoint", body.state.pos) if getattr(engine, "rotateAroundZero", False) else body.state.pos
+    away, axis = body.state.pos - centre, engine.rotationAxis
+    return _size(body) + (away - axis * (away.dot(axis) / max(axis.dot(axis), 1e-300))).norm()
 
 
 def _fall(bodies, movable, down):

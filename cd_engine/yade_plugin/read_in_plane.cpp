@@ -6,6 +6,12 @@
 
 namespace cd_engine {
 
+template <> LeavesPlane SceneLink<cd::Plane>::leavesPlane(int id) const
+{
+	return { text("body #", id, " is free to leave the ", frame.name(), " plane, in which other bodies are kept, so the scene is solved in space"),
+		text("Set O.bodies[", id, "].state.blockedDOFs='", frame.blocks(), "' to keep it in the plane.") };
+}
+
 template <> void SceneLink<cd::Plane>::findPlane(yade::BodyContainer& container)
 {
 	const ScenePlane now = ScenePlane::of(container, frame, gravity);
@@ -16,11 +22,17 @@ template <> void SceneLink<cd::Plane>::findPlane(yade::BodyContainer& container)
 	}
 	frame = now;
 	pull = frame.toCore(gravity);
-	if (pull[2] != 0)
-		throw SceneError(
-		    text("ContactDynamics: gravity = (", gravity[0], ", ", gravity[1], ", ", gravity[2], ") m/s^2 points out of the ", frame.name(),
-			" plane, in which the blocked freedoms keep the scene. Block what keeps every disk in the plane of gravity: "
-			"O.bodies[i].state.blockedDOFs='zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z"));
+	if (pull[2] == 0)
+		return;
+	for (int id = 0; id < static_cast<int>(container.size()); id++) { // a scene that leaves the plane may have such a gravity
+		const Shared<yade::Body>& body = container[id];
+		if (body && body_state(body) && body_shape(body) && kindOf(body_shape(body).get()) && !frame.keeps(state_blockedDOFs(body_state(body))))
+			throw leavesPlane(id);
+	}
+	throw SceneError(
+	    text("ContactDynamics: gravity = (", gravity[0], ", ", gravity[1], ", ", gravity[2], ") m/s^2 points out of the ", frame.name(),
+		" plane, in which the blocked freedoms keep the scene. Block what keeps every disk in the plane of gravity: "
+		"O.bodies[i].state.blockedDOFs='zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z"));
 }
 
 // The layer of the disks is that of the first disk. That disk must stay in it, since boxes that reach this plane may not reach another.
@@ -75,9 +87,7 @@ template <> void SceneLink<cd::Plane>::checkMotion(int id)
 			refuseBody(id, "belongs to a clump", releaseClump);
 		if (!kindOf(bodies[id].shape))
 			refuseShape(id, bodies[id].shape); // to set its freedoms would not help
-		throw LeavesPlane { text("body #", id, " is free to leave the ", frame.name(),
-					" plane, in which other bodies are kept, so the scene is solved in space"),
-			text("Set O.bodies[", id, "].state.blockedDOFs='", frame.blocks(), "' to keep it in the plane.") };
+		throw leavesPlane(id);
 	}
 	if (velocity[frame.normal] != 0 || spin[frame.x] != 0 || spin[frame.y] != 0)
 		refuseBody(id, text("moves out of the ", frame.name(), " plane"),

@@ -152,6 +152,7 @@ template <class Space> class SceneLink {
 	void gatherBodies(yade::Scene*);
 	void findFrame(yade::BodyContainer&);
 	void findPlane(yade::BodyContainer&);
+	LeavesPlane leavesPlane(int id) const;
 	void findLayer(yade::BodyContainer&);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);

@@ -8,6 +8,7 @@ import yade
 from yade import utils
 
 import cd_engine
+from yade_scripts.running.hooks import runner
 
 from .test_space import G, ball, material, run, vector
 
@@ -161,3 +162,44 @@ def test_nothing_stands_beyond_the_end_of_a_wall_on_a_floor(O, gap, share):
     state = O.bodies[ball((-0.5, -(1 + gap) * radius, radius), radius, mat, velocity=(1, 0, 0), spin=(0, 1 / radius, 0))].state
     run(round(1.2 / (share * radius)), share * radius)
     assert vector(state.vel) == pytest.approx((1, 0, 0), abs=1e-12) and state.pos[2] == pytest.approx(radius, abs=1e-13)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_springs_go_on_from_facet_to_facet(O, seed):
+    """A sphere with contact stiffnesses slides and rolls down a triangulated slope as down a Wall: its tangential spring stays when it passes an inner
+    edge. The paths differ by the round-off of the normals."""
+    def path(of_facets):
+        O.reset()
+        mat, radius = material(0.5), 0.03
+        mesh(triangulated(seed), mat) if of_facets else O.bodies.append(utils.wall(0, axis=2, material=mat))
+        stiffness = 4 / 3 * math.pi * radius**3 * 1000 * G / (0.02 * radius)  # its weight compresses the spring by 2 % of the radius
+        state = O.bodies[ball((0.1, 0.15, 0.98 * radius), radius, mat)].state
+        O.engines = cd_engine.engines(gravity=(0.2 * G, 0.15 * G, -G), stiffness=stiffness, tangentialStiffness=0.5 * stiffness)
+        O.dt = 1e-3
+        O.run(700, True)
+        return [*state.pos, *state.vel, *state.angVel]
+
+    on_facets, on_wall = path(True), path(False)
+    assert on_wall[0] > 0.3 and on_facets == pytest.approx(on_wall, abs=1e-11)
+
+
+def test_a_spring_on_an_inner_edge_holds_a_shaken_sphere(O):
+    """It sticks on a slope, and small pushes move it to and fro over the edge between two facets: it stays, as on one facet."""
+    def place(triangles):
+        O.reset()
+        mat, radius, angle = material(0.5), 0.1, 0.3
+        mesh(triangles, mat)
+        weight = 4 / 3 * math.pi * radius**3 * 1000 * G
+        stiffness = weight / (1e-3 * radius)
+        sag = weight * math.sin(angle) / (0.5 * stiffness)
+        body = ball((-sag, 0, radius - weight * math.cos(angle) / stiffness), radius, mat)
+        O.bodies[body].state.blockedDOFs = "XYZ"
+        shake = runner(lambda: O.forces.addF(body, (0.1 * weight * math.sin(40 * math.pi * O.time), 0, 0)))
+        reset, collider, engine = cd_engine.engines(gravity=(G * math.sin(angle), 0, -G * math.cos(angle)), stiffness=stiffness,
+                                                    tangentialStiffness=0.5 * stiffness)
+        O.engines, O.dt = [reset, collider, shake, engine], 1e-3
+        O.run(1000, True)
+        return O.bodies[body].state.pos[0]
+
+    one = place([[(-9, -9, 0), (9, -9, 0), (0, 9, 0)]])
+    assert place([[(0, -2, 0), (0, 2, 0), (-2, 0, 0)], [(0, -2, 0), (0, 2, 0), (2, 0, 0)]]) == pytest.approx(one, rel=1e-9)

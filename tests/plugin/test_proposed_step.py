@@ -2,6 +2,7 @@
 import math
 
 import pytest
+import yade
 from yade import utils, wrapper
 
 import cd_engine
@@ -45,6 +46,41 @@ def test_the_speeds_present_count(O):
     turning = plane.box((5, 0), (1, 0), blocked="xyzXYZ")
     O.bodies[turning].state.angVel = (0, 0, 100)
     assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / (100 * math.hypot(1, 0.5)))
+
+
+CENTRE = dict(rotationAxis=(0, 0, 2), rotateAroundZero=True, zeroPoint=(0, 1, 3))
+
+
+@pytest.mark.parametrize("engine, speed", [
+    (lambda: wrapper.RotationEngine(**CENTRE, angularVelocity=-5.0), lambda size, away: 5 * (away + size)),
+    (lambda: wrapper.RotationEngine(rotationAxis=(0, 0, 1), angularVelocity=5.0), lambda size, away: 5 * size),
+    (lambda: wrapper.HelixEngine(**CENTRE, angularVelocity=5.0, linearVelocity=2.0), lambda size, away: 5 * (away + size) + 2),
+    (lambda: wrapper.TranslationEngine(translationAxis=(1, 0, 0), velocity=-4.0), lambda size, away: 4),
+    (lambda: wrapper.HarmonicMotionEngine(A=(0.3, 0, 0.4), f=(2, 2, 2)), lambda size, away: 2 * math.pi),
+    (lambda: wrapper.HarmonicRotationEngine(A=0.5, f=2, rotationAxis=(0, 0, 1)), lambda size, away: 2 * math.pi * size),
+    (lambda: wrapper.CombinedKinematicEngine(comb=[wrapper.TranslationEngine(translationAxis=(1, 0, 0), velocity=4.0)]), lambda size, away: 4),
+], ids=["turns", "spins", "helix", "moves", "shakes", "swings", "combined"])
+def test_the_speeds_that_engines_will_give_count(O, engine, speed):
+    """Before the first step nothing moves yet."""
+    facet = utils.facet([(1, 1, 0), (3, 1, 0), (2, 1.1, 0)])
+    O.bodies.append(facet)
+    O.bodies.append(utils.sphere((0, 0, 0), 0.01))
+    drives = engine()
+    drives.ids = [0]
+    O.engines = [*cd_engine.engines(), drives]
+    size, away = max(corner.norm() for corner in facet.shape.vertices), (facet.state.pos - yade.Vector3(0, 1, 0)).norm()
+    assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / speed(size, away))
+    drives.dead = True
+    with pytest.raises(ValueError, match="nothing moves"):
+        cd_engine.timeStep()
+
+
+def test_a_body_without_a_place_is_named(O):
+    plane.disk((0, 0), 0.01)
+    body = plane.disk((1, 0), 0.01)
+    O.bodies[body].state.pos = (math.nan, 0, 0)
+    with pytest.raises(ValueError, match=f"body #{body} has a position"):
+        cd_engine.timeStep(gravity=(0, -G, 0))
 
 
 @pytest.mark.parametrize("blocked", ["zXY", "xyzXYZ"])

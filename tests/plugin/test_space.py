@@ -251,6 +251,24 @@ def test_a_planar_scene_that_gains_a_free_sphere_goes_over_to_space(O, capfd):
     assert O.bodies[free].state.pos[2] > 0.05 and O.bodies[disk].state.pos[2] == 0
 
 
+def test_a_disk_is_freed_and_gravity_turned_at_once(O):
+    mat = material()
+    O.bodies.append(utils.wall(0, axis=1, material=mat))
+    disks = [ball((0.3 * k, 0.1, 0), 0.1, mat) for k in range(2)]
+    for disk in disks:
+        O.bodies[disk].state.blockedDOFs = "zXY"
+    O.engines = cd_engine.engines(gravity=(0, -G, 0))
+    O.dt = 1e-3
+    O.run(10, True)
+    O.engines[2].gravity = (0, -G, -1)
+    with pytest.raises(RuntimeError, match="points out of the x-y plane"):
+        O.run(1, True)
+    O.bodies[disks[0]].state.blockedDOFs = ""
+    O.run(100, True)
+    assert O.engines[2].inSpace and O.bodies[disks[0]].state.vel[2] == pytest.approx(-0.1 * 5 / 7, rel=1e-3)  # it rolls
+    assert O.bodies[disks[1]].state.vel[2] == 0
+
+
 @pytest.mark.parametrize("blocked", ["X", "xYZ", "XY", "xXZ"])
 def test_spheres_with_blocked_freedoms_slide_against_coulomb_friction(O, blocked):
     """A single step of a sphere that slides: its impulse is mu m g dt against the velocity of the contact, whatever it cannot do."""

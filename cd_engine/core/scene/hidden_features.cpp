@@ -55,14 +55,7 @@ bool HiddenFeatures::covers(const Standing& s, std::size_t other, std::size_t in
 
 template <class Visit> bool HiddenFeatures::anyCovering(const Standing& s, std::size_t index, double dt, const Visit& visit) const
 {
-	const int32_t sphere = s.world.pairs[index].b;
-	auto other = std::lower_bound(near.begin(), near.end(), sphere, [](const Near& n, int32_t b) { return n.sphere < b; });
-	for (; other != near.end() && other->sphere == sphere; other++) {
-		const auto pair = static_cast<std::size_t>(other->pair);
-		if (pair != index && covers(s, pair, index, dt) && visit(pair))
-			return true;
-	}
-	return false;
+	return anyBeside(s.world, index, [&](std::size_t other) { return covers(s, other, index, dt) && visit(other); });
 }
 
 bool HiddenFeatures::isHidden(const Standing& s, std::size_t index, double dt) const

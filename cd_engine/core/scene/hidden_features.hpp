@@ -14,6 +14,7 @@
 #include "scene/geometry_in_space.hpp"
 #include "scene/world.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace cd {
@@ -40,14 +41,23 @@ class HiddenFeatures {
 	// Of a pair that is covered: whether its facet lies next, around a concave edge, to a face that covers it. Then `ahead` is how the sphere
 	// meets the plane of the facet.
 	bool meetsAhead(const Standing&, std::size_t pair, double dt, SpaceMeeting& ahead) const;
+	// Calls visit(other) for each other pair of the same sphere and a boundary, until it returns true. Returns whether it did.
+	template <class Visit> bool anyBeside(const WorldOf<Space3>& world, std::size_t pair, const Visit& visit) const
+	{
+		const int32_t sphere = world.pairs[pair].b;
+		auto other = std::lower_bound(near.begin(), near.end(), sphere, [](const Near& n, int32_t b) { return n.sphere < b; });
+		for (; other != near.end() && other->sphere == sphere; other++)
+			if (static_cast<std::size_t>(other->pair) != pair && visit(static_cast<std::size_t>(other->pair)))
+				return true;
+		return false;
+	}
 
     private:
 	struct Near {
 		int32_t sphere, pair;
 	};
 	bool covers(const Standing&, std::size_t other, std::size_t pair, double dt) const;
-	// Calls visit(other) for each other pair of the same sphere and a boundary that covers this one, until it returns true. Returns whether it
-	// did.
+	// As anyBeside, for those that cover this one.
 	template <class Visit> bool anyCovering(const Standing&, std::size_t pair, double dt, const Visit& visit) const;
 
 	std::vector<Near> near; // sorted by the spheres

@@ -2,6 +2,7 @@
 #include "search/search.hpp"
 
 #include <cassert>
+#include <utility>
 
 namespace cd {
 namespace {
@@ -169,7 +170,28 @@ bool ContactFinder<Space3>::find(
 				contact[i] = 1;
 			}
 	keep(world, found, start.guides, [&](int32_t i) { return meetings[i].overlap; });
+	if (world.compliant() && !found.same)
+		passSprings(world);
 	return known && found.same;
+}
+
+// Where a sphere goes from one boundary of a surface to the next, as over the inner edge of a mesh, its contact goes on: the springs of the pair that
+// ends pass to the pair that begins. (Rigid contacts would gain a first guess only.)
+void ContactFinder<Space3>::passSprings(WorldOf<Space3>& world) const
+{
+	constexpr double alike = 0.9; // cosine between the normals
+	for (const int32_t i : pairOf) {
+		if (world.carried[i].any() || !isBoundary(world.bodyOf(world.pairs[i].a)))
+			continue;
+		const auto ends = [&](std::size_t other) {
+			SpaceCarried& carried = world.carried[other];
+			if (contact[other] || !carried.any() || dot(carried.n, meetings[i].n) < alike)
+				return false;
+			world.carried[i] = std::exchange(carried, {});
+			return true;
+		};
+		features.anyBeside(world, i, ends);
+	}
 }
 
 bool ContactFinder<Space3>::fastEnough(const StepView<Space3>& step, std::size_t index) const

@@ -33,6 +33,7 @@ template <> class ContactFinder<Space3> : public FoundContacts<Space3> {
 	bool isHidden(const StepView<Space3>&, std::size_t pair) const;
 	bool isThrough(const StepView<Space3>&, const Pair&, SpaceFoot&) const;
 	bool stopAtFaces(const StepView<Space3>&, BodyMotion<Space3>&);
+	void passSprings(WorldOf<Space3>&) const;
 
 	std::vector<SpaceMeeting> meetings; // of the pairs examined
 	std::vector<SpaceMeeting> ahead; // of contacts with facets around a concave edge (HiddenFeatures::meetsAhead), else without a meaning
