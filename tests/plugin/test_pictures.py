@@ -273,6 +273,18 @@ def test_a_film_has_a_frame_for_each_period(O, tmp_path):
     assert np.diff(blue) == pytest.approx(np.diff(blue).mean(), abs=2) and np.diff(blue).mean() == pytest.approx(0.1 / 4 * 2.6 * 60, abs=0.5)
 
 
+def test_a_film_of_a_scene_that_runs_empty(O, tmp_path):
+    """No frame is made before the first disk is there, nor after the last one has gone."""
+    plane.floor()
+    O.engines, O.dt = plane.springs(gravity=(0, 0, 0)) + [cd_engine.film(path=tmp_path / "a.gif", every=0.0999, size=2, dpi=50)], 0.01
+    O.run(15, True)
+    disk = plane.disk((0, 0.2), 0.1)
+    O.run(30, True)
+    O.bodies.erase(disk)
+    O.run(30, True)
+    assert len(frames(tmp_path / "a.gif")) == 3
+
+
 def test_a_frame_is_what_the_picture_shows(O, tmp_path):
     """Colours and places survive the format."""
     sliding(O, path=tmp_path / "a.gif", view=(-1, 3, -1, 1), limits=(0, 1))

@@ -160,6 +160,17 @@ def test_a_step_for_springs(O, capfd, dt, told):
     assert len(lines) == told and all(f"O.dt is {dt:g} s: a disk needs at least 3192" in line and "timeStep()" in line for line in lines), lines
 
 
+@pytest.mark.parametrize("thickness", [0, 0.01])
+def test_plates_that_cross_from_the_beginning_go_on_to(O, capfd, thickness):
+    """Those of aabbWalls do, and gravity moves the upper one down between the others."""
+    mat = plane.material(0)
+    plates = O.bodies.append(utils.aabbWalls([(0, 0, -0.5), (0.3, 0.3, 0.5)], thickness=thickness, material=mat))
+    plane.grid(25, 5, (0.03, 0.03), (0.06, 0.06), mat=mat)
+    O.bodies[plates[3]].state.mass, O.bodies[plates[3]].state.blockedDOFs = 10, "xzXYZ"
+    plane.engine(gravity=(0, -9.81, 0))
+    assert said_by(O, capfd) == []
+
+
 def test_a_boundary_that_gravity_moves(O, capfd):
     """A free Box over a Wall: neither touches the other, and it falls through."""
     plane.disk_on_a_floor()

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 import yade
 
+from cd_engine import engine_methods
+
 from . import plane
 
 G = 9.81
@@ -39,3 +41,10 @@ def test_touching_disks_that_spin_in_free_fall_are_solved(O, seed):
         yade.O.step()
         assert engine.converged and engine.residual < 1, (engine.status, engine.residual)
     assert engine.unconvergedSteps == 0
+
+
+def test_a_summary_of_given_sweeps_claims_no_tolerance(O):
+    plane.columns(1, disks=30)
+    engine = plane.run(20, 1e-3, gravity=(0, -G, 0), fixedIterations=2)
+    said = engine_methods.text(engine)
+    assert "All 20 steps: no tolerance is asked for" in said and "missed" not in said
