@@ -56,6 +56,7 @@ def _against_overlap(engine, behind, grown, unexplained, smallest, longest, dt):
     e, relative to all impulses, is small long before a heavy body on a light one is carried; fixedIterations demand no error; small errors add up;
     and a step may be too long for the speed or rotation of the bodies."""
     at_once, misses = grown > 0.5 * DEEP * smallest, not engine.converged or engine.fixedIterations > 0
+    sweeps = "fixedIterations" if engine.fixedIterations > 0 else "maxIterations"
     springs = engine.materialStiffness or engine.stiffness < float("inf")
     if at_once and unexplained and not (springs and engine.steps == 1):  # other springs may have left any overlap
         pushed = ", or set gapCorrection=0.1, which pushes overlaps out" if engine.gapCorrection == 0 and engine.maxPenetration < smallest else ""
@@ -71,9 +72,12 @@ def _against_overlap(engine, behind, grown, unexplained, smallest, longest, dt):
         # overlap that comes at once is proportional to O.dt.
         shorter = dt * min(0.5, max(0.25 / longest if longest else float("inf"), 0.5 * DEEP * smallest / grown))
         return (f"It came in this one step, which is {'not solved, or ' if misses else ''}too long for the speed of the bodies: take a smaller O.dt, "
-                f"about {shorter:.2g} s{', or raise maxIterations or fixedIterations' if misses else ''}")
+                f"about {shorter:.2g} s{f', or raise {sweeps}' if misses else ''}")
+    if engine.fixedIterations > 0:
+        return "The forces that hold them apart are too small: raise fixedIterations"
     if misses:
-        return "The forces that hold them apart are too small: raise maxIterations or fixedIterations"
+        return ("The forces that hold them apart are too small, since the step missed its tolerance: raise maxIterations. If that does not help, a body may "
+                "be jammed, and rigid contacts cannot carry what moves on: set materialStiffness=True")
     if engine.stepTolerance > LOOSE:
         return "It grew step by step, since solver errors within the tolerance add up: lower tolerance to 1e-4 or less"
     if engine.gapCorrection > 0:
