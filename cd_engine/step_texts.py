@@ -76,8 +76,8 @@ def _against_overlap(engine, behind, grown, unexplained, smallest, longest, dt):
     if engine.fixedIterations > 0:
         return "The forces that hold them apart are too small: raise fixedIterations"
     if misses:
-        return ("The forces that hold them apart are too small, since the step missed its tolerance: raise maxIterations. If that does not help, a body may "
-                "be jammed, and rigid contacts cannot carry what moves on: set materialStiffness=True")
+        return ("The forces that hold them apart are too small, since the step missed its tolerance: raise maxIterations. If that does not help, a "
+                "body may be jammed, and rigid contacts cannot carry what moves on: set materialStiffness=True")
     if engine.stepTolerance > LOOSE:
         return "It grew step by step, since solver errors within the tolerance add up: lower tolerance to 1e-4 or less"
     if engine.gapCorrection > 0:
