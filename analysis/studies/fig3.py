@@ -113,7 +113,8 @@ POINTS = (
     (3, "If the loadings are low enough, the excitations shakedown in the material. [...] there will be practically no accumulation of "
      "permanent strain.", "section 3, Fig. 3", "agrees in part"),
     (4, "This is related to the disappearance of sliding contacts in the sample.", "section 3, Fig. 3", "disagrees"),
-    (5, "for very high loadings, the strain rate does not apparently diminish, leading to a fast failure of the material. This incremental collapse can be seen in cases dSigma = 0.40 and dSigma = 0.50 of the figure.",
+    (5, "for very high loadings, the strain rate does not apparently diminish, leading to a fast failure of the material. This incremental "
+     "collapse can be seen in cases dSigma = 0.40 and dSigma = 0.50 of the figure.",
      "section 3, Fig. 3", "agrees in part"),
     (6, "For loads above the shakedown limit but far from collapse, the material accumulates permanent strain at a constant but very small "
      "rate.", "section 3, Fig. 3", "agrees in part"),

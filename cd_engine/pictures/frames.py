@@ -36,8 +36,8 @@ def _command(path, options, scales):
 
 
 def frame(path, options, scales):
-    """Add the next frame to the film at `path`; its engine calls this. Before the first disk is there, and after the last one has gone, there is none.
-    options: those of the film. scales: what has grown so far, see _grown."""
+    """Add the next frame to the film at `path`; its engine calls this. Before the first disk is there, and after the last one has gone, it adds
+    none. options: those of the film. scales: what has grown so far, see _grown."""
     from yade import O
 
     from . import layout

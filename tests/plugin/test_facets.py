@@ -166,8 +166,8 @@ def test_nothing_stands_beyond_the_end_of_a_wall_on_a_floor(O, gap, share):
 
 @pytest.mark.parametrize("seed", range(2))
 def test_springs_go_on_from_facet_to_facet(O, seed):
-    """A sphere with contact stiffnesses slides and rolls down a triangulated slope as down a Wall: its tangential spring stays when it passes an inner
-    edge. The paths differ by the round-off of the normals."""
+    """A sphere with contact stiffnesses slides and rolls down a triangulated slope as down a Wall: its tangential spring stays when it passes an
+    inner edge. The paths differ by the round-off of the normals."""
     def path(of_facets):
         O.reset()
         mat, radius = material(0.5), 0.03
