@@ -80,8 +80,8 @@ template <class Space> void SceneLink<Space>::warnOfUnheldBoundaries(double dt)
 			const auto way = centreOf(b) - centreOf(a);
 			const double margin = std::min(search.marginOf(mover) + search.marginOf(other), most);
 			// The axis with the smallest overlap decides: a boundary that slides along a side wall overlaps it least across its motion,
-			// and a piston with clearance not at all. What crosses another from the beginning goes on to, as the plates of aabbWalls, or a
-			// Wall, endless along itself.
+			// and a piston with clearance not at all. What crosses another from the beginning goes on to, as the plates of aabbWalls, or
+			// a Wall, endless along itself.
 			double overlap[axes];
 			for (int i = 0; i < axes; i++)
 				overlap[i] = sideOf(ha, i) + sideOf(hb, i) - std::abs(way[i]);

@@ -29,7 +29,8 @@ template <class Visitor> void PlateLoads::attributes(Visitor&& visit)
 	    "stressMask", &P::stressMask, within(0, 7), "Bits 1, 2 and 4: *goals* is a stress along x, y and z; without the bit a strain rate [1].");
 	visit("goals", &P::goals, setting, "Stress [Pa] or rate of the true strain [1/s] along x, y and z; negative: compression.");
 	visit("loading", &P::loading, setting,
-	    "How the goals change with the time t = O.time: goals (1 + rise s(t)). constant: s = 0; ramp: s = t; cosine: s = (1 - cos(2 pi t/period))/2; "
+	    "How the goals change with the time t = O.time: goals (1 + rise s(t)). constant: s = 0; ramp: s = t; cosine: s = (1 - cos(2 pi "
+	    "t/period))/2; "
 	    "triangle: s rises linearly to 1 in half a period and falls back; smoothStep: s = (1 - cos(pi t/period))/2, from t = period on 1. The "
 	    "goal of a step is that of its middle with ContactDynamics, of its end if contacts have a stiffness there, and of its beginning with "
 	    "springs, "

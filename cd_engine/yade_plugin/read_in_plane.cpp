@@ -8,7 +8,8 @@ namespace cd_engine {
 
 template <> LeavesPlane SceneLink<cd::Plane>::leavesPlane(int id) const
 {
-	return { text("body #", id, " is free to leave the ", frame.name(), " plane, in which other bodies are kept, so the scene is solved in space"),
+	return { text(
+		     "body #", id, " is free to leave the ", frame.name(), " plane, in which other bodies are kept, so the scene is solved in space"),
 		text("Set O.bodies[", id, "].state.blockedDOFs='", frame.blocks(), "' to keep it in the plane.") };
 }
 
@@ -26,7 +27,8 @@ template <> void SceneLink<cd::Plane>::findPlane(yade::BodyContainer& container)
 		return;
 	for (int id = 0; id < static_cast<int>(container.size()); id++) { // a scene that leaves the plane may have such a gravity
 		const Shared<yade::Body>& body = container[id];
-		if (body && body_state(body) && body_shape(body) && kindOf(body_shape(body).get()) && !frame.keeps(state_blockedDOFs(body_state(body))))
+		if (body && body_state(body) && body_shape(body) && kindOf(body_shape(body).get())
+		    && !frame.keeps(state_blockedDOFs(body_state(body))))
 			throw leavesPlane(id);
 	}
 	throw SceneError(

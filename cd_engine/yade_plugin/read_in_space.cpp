@@ -37,7 +37,8 @@ template <> void SceneLink<cd::Space3>::findFrame(yade::BodyContainer&)
 {
 	if (mask != 0)
 		throw SceneError(text("ContactDynamics: mask=", mask,
-		    " is for belts of boxes and disks, which are known in the plane only. Set mask to 0; in space a belt is a Wall whose state.vel points "
+		    " is for belts of boxes and disks, which are known in the plane only. Set mask to 0; in space a belt is a Wall whose state.vel "
+		    "points "
 		    "along itself"));
 	pull = gravity;
 }
