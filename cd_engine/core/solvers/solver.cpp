@@ -108,6 +108,7 @@ namespace {
 			return;
 		SolverSettings finer = settings;
 		finer.tolerance *= refinement; // the guess has about the error that was asked for
+		finer.maxIterations = std::min(settings.maxIterations, report.iterations + 1000); // few sweeps suffice, or none do
 		SolverReport closed = goOn<ContactSystem<Space3>>(other, start, finer, report, nsgs);
 		report.iterations = closed.iterations;
 		for (std::size_t i = 0; i < system.contacts.size(); i++)
