@@ -1,6 +1,5 @@
 // The list of solvers. Each solves a problem by a method and tests whether the result is a solution (room solvability).
 #include "solvers/solver.hpp"
-#include "error/residual.hpp"
 #include "solvers/start.hpp"
 
 #include <algorithm>
