@@ -16,8 +16,8 @@ def timeStep(gravity=None, speed=None, share=None):
     g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one: set O.engines first
     v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present or that an engine gives a boundary
                (RotationEngine and its like); of a body that turns, that of its farthest point, because friction can turn spin into motion.
-               h [m] is the height from the highest disk down to the lowest body; for a
-               Box, down to the lowest corner of its upper faces, where a disk that slides down leaves it
+               h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its upper faces, where a
+               disk that slides down leaves it
     a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF), or a stress of PlateLoads, gives a body that nothing holds; 0 if
                `speed` is given. Give `speed`
                where a force moves a body over a long way, and for longer steps where a light lid presses on disks already
@@ -69,7 +69,7 @@ def timeStep(gravity=None, speed=None, share=None):
     pressed = _pressed(O) if speed is None else 0
     if speed is None:
         fall = _fall(O.bodies, movable, [x / g for x in gravity]) if g else 0
-        speed = math.sqrt(max(*map(_speed, O.bodies), *map(_driven, O.engines), 0, 0)**2 + 2 * g * fall)
+        speed = math.sqrt(max([*map(_speed, O.bodies), *map(_driven, O.engines)])**2 + 2 * g * fall)
     times = ([radius / speed] if speed else []) + [math.sqrt(radius / acceleration) for acceleration in (g, pressed) if acceleration]
     if not times:
         raise ValueError("timeStep: nothing moves, and there is neither gravity nor a permanent force or load, so no speed can be estimated. Set "
@@ -132,28 +132,27 @@ def _speed(body):
 
 def _driven(engine):
     """Return the largest speed [m/s] that one of YADE's kinematic engines gives a point of its bodies."""
-    from yade import O
+    from yade import O, wrapper
     if engine.dead:
         return 0
-    parts = getattr(engine, "comb", [])  # of a CombinedKinematicEngine
-    along = abs(getattr(engine, "linearVelocity", 0))
+    if type(engine).__name__ == "CombinedKinematicEngine":
+        return max(map(_driven, engine.comb), default=0)
+    if not isinstance(engine, wrapper.KinematicEngine):
+        return 0
+    along = abs(getattr(engine, "linearVelocity", 0)) + abs(getattr(engine, "velocity", 0))  # of a HelixEngine, of a TranslationEngine
     about = abs(getattr(engine, "angularVelocity", 0))
-    if isinstance(speed := getattr(engine, "velocity", 0), numbers.Real):  # of a TranslationEngine
-        along += abs(speed)
-    if type(engine).__name__.startswith("Harmonic"):
-        most = [2 * math.pi * size * rate for size, rate in zip(*([*_each(getattr(engine, name))] for name in ("A", "f")))]
-        along, about = (along + math.hypot(*most), about) if len(most) > 1 else (along, about + abs(most[0]))
-    if about:
-        along += about * max((_arm(engine, body) for body in (O.bodies[id] for id in engine.ids if 0 <= id < len(O.bodies)) if body), default=0)
-    return max(along, *map(_driven, parts), 0)
-
-
-def _each(value):
-    return (value,) if isinstance(value, numbers.Real) else value
+    if isinstance(engine, wrapper.HarmonicRotationEngine):
+        about = 2 * math.pi * abs(engine.A * engine.f)
+    elif isinstance(engine, wrapper.HarmonicMotionEngine):
+        along = 2 * math.pi * math.hypot(*(size * rate for size, rate in zip(engine.A, engine.f)))
+    bodies = [O.bodies[id] for id in engine.ids if about and 0 <= id < len(O.bodies)]
+    return along + about * max((_arm(engine, body) for body in bodies if body), default=0)
 
 
 def _arm(engine, body):
-    """Return the distance [m] of the farthest point of a body from the axis about which an engine turns it."""
+    """Return the distance [m] of the farthest point of a body from the axis about which an engine turns it, or the radius on which it moves it."""
+    if hasattr(engine, "radius"):  # a BicyclePedalEngine
+        return engine.radius
     centre = getattr(engine, "zeroPoint", body.state.pos) if getattr(engine, "rotateAroundZero", False) else body.state.pos
     away, axis = body.state.pos - centre, engine.rotationAxis
     return _size(body) + (away - axis * (away.dot(axis) / max(axis.dot(axis), 1e-300))).norm()

@@ -92,8 +92,6 @@ def quantities(table):
     falls, rest = other[other[whole] == COLLAPSES], other[other[whole] == RESTS]
     low = table[table.dSigma <= table["stress path"].map({"mean": 0.2, "constant": 0.5})]
     springs, rigid = (table[table.method == method] for method in ("MD", "CD"))
-    moving = springs[(springs[half] == STRAINS) & (springs[whole] == STRAINS)]
-    change = (moving["rate of all"] / moving["rate of half"]).abs()
     quiet, rests = (rows[rows[whole] == RESTS] for rows in (springs, rigid))
     never, slipped = rests[rests[first] < 1e-6], rests[rests[first] >= 1e-6]
     assert (other["preparation friction"] > 0).all() and (rest.method == "CD").all() and falls["collapses after"].between(40, 54).all()

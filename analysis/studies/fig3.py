@@ -146,7 +146,7 @@ def quantities(table):
     quiet = md[~md.falls & (md[load] < 1)]
     slows = quiet[quiet["late rate"].abs() > 1e-6][quarter]
     slow, severest = (constant[constant.dSigma == several] for several in (0.4, 0.8))
-    detour, fails = at[0.3][after] / severest[after], held[held.dSigma.isin((0.4, 0.5))][after]
+    detour = at[0.3][after] / severest[after]
     assert not gentle.falls.any() and not low.falls.any() and not at[0.2].falls.any() and not (above["falls CD"] & ~above["falls MD"]).any()
     assert all(at[several].falls.all() for several in (0.3, 0.4, 0.5)) and len(alike) == len(loosely) == 5
     return locals()

@@ -1,7 +1,4 @@
 """What a mean of a flow costs by springs of any damping, by springs in Contact Dynamics, and by rigid contacts with few sweeps, with 500 disks."""
-import numpy as np
-import pandas
-
 from analysis import flow_costs
 from analysis.flow_costs import (COARSE, COARSER, DEFAULT, FEW, FINE, FINEST, IMPLICIT, KINDS, LIGHT, MD, MIDDLE, PROPOSED, QUANTITY, SMALL,
                                  SPRINGS, STIFF, STRICT, WORDS, draw, rows_of, summarize)
@@ -38,18 +35,13 @@ def settings(row):
     return f"{row['setting']:.0f} sweeps, {step}" if row["kind"] == FEW else f"{row['setting']:g}, {step}"
 
 
-def median(gain):
-    """Return the median of drawn gains in words; it is infinite where in most draws no springs count."""
-    return f"{gain:.1f}" if np.isfinite(gain) else "infinite, as no springs count"
-
-
 def quantities(table):
     table = flow_costs.measured(table)
     rows = table.to_dict("records")
     counts = {kind: [scene for scene in QUANTITY if flow_costs.reaching(rows, scene, SMALL, kind)] for kind in KINDS}
     best = {kind: {scene: flow_costs.cheapest(rows, scene, SMALL, kind) for scene in QUANTITY} for kind in KINDS}
     gain = flow_costs.gains(rows, SMALL, FEW)
-    least, middle = flow_costs.spread(flow_costs.drawn_gains(rows, SMALL, FEW))[:2]
+    least = flow_costs.spread(flow_costs.drawn_gains(rows, SMALL, FEW))[0]
     fine, coarser, coarse, proposed, strict, default = (
         flow_costs.of_setting(table, setting) for setting in (FINE, COARSER, COARSE, PROPOSED, STRICT, DEFAULT))
     corrected = flow_costs.of_setting(table, COARSE, 0.1)
@@ -61,5 +53,4 @@ def quantities(table):
     few = {sweeps: table[(table.kind == FEW) & (table.setting == sweeps)].set_index("scene") for sweeps in (2, 5, 10, 20)}
     gained = {scene: gain[scene] for scene in counts[FEW] if scene in counts[MD]}
     assert list(gained) == ["hopper", "filling"] and counts[MD] == ["hopper", "drum", "filling"]
-    cheapest_md = pandas.Series({scene: row["seconds"] for scene, row in best[MD].items()})
-    return locals() | {"QUANTITY": QUANTITY, "WORDS": WORDS, "KINDS": KINDS, "settings": settings, "median": median}
+    return locals() | {"QUANTITY": QUANTITY, "WORDS": WORDS, "KINDS": KINDS, "settings": settings}

@@ -69,6 +69,5 @@ def quantities(table):
     first, strain, late = (f"{name} over standard" for name in ("first cycle", "strain", "late rate"))
     slowly, soft = slow[LAWS[2]], pressed[LAWS[2]]
     beyond = table[(table.dSigma == 0.5) & (table.law != LAWS[0])][strain]
-    errors = table["balance error"].abs().groupby(table.law).agg(["min", "max"])
     far, whole = soft[[first, strain]].stack(), pandas.concat(pressed)["late rate"].abs()
     return locals()

@@ -217,5 +217,4 @@ def quantities(table):
     window_name = _window(WINDOWS[-1])
     ends = slow.set_index(["dSigma", "packing"])[[_window(window) for window in WINDOWS]]
     late_slow = lambda load: ends[window_name].loc[load].abs()
-    faster = {which: 1 / _pairs(of(which, SPRINGS), of(which, MD), "seconds") for which in (RAMP, LATE)}
     return locals() | {"window": _window, "MD": MD, "SPRINGS": SPRINGS, "RIGID": RIGID}

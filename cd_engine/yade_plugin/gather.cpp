@@ -80,8 +80,8 @@ template <class Space> void SceneLink<Space>::warnOfUnheldBoundaries(double dt)
 			const auto way = centreOf(b) - centreOf(a);
 			const double margin = std::min(search.marginOf(mover) + search.marginOf(other), most);
 			// The axis with the smallest overlap decides: a boundary that slides along a side wall overlaps it least across its motion,
-			// and a piston with clearance not at all. What crosses another from the beginning goes on to, as the plates of aabbWalls, or
-			// a Wall, endless along itself.
+			// and a piston with clearance not at all. What lies across another in all its thickness crosses it from the beginning, as
+			// the plates of aabbWalls do, or a Wall, endless along itself.
 			double overlap[axes];
 			for (int i = 0; i < axes; i++)
 				overlap[i] = sideOf(ha, i) + sideOf(hb, i) - std::abs(way[i]);
@@ -91,7 +91,7 @@ template <class Space> void SceneLink<Space>::warnOfUnheldBoundaries(double dt)
 			bool besides = false; // they miss each other along another axis
 			for (int i = 0; i < axes; i++)
 				besides = besides || (i != k && !(overlap[i] > 0));
-			const bool crosses = overlap[k] == cd::endless || overlap[k] > margin;
+			const bool crosses = overlap[k] == cd::endless || overlap[k] > std::max(margin, 2 * sideOf(ha, k));
 			if (crosses || overlap[k] < -margin || a.inverseMass[k] == 0 || besides)
 				continue;
 			const bool falls = way[k] * pull[k] > 0, comes = overlap[k] < 0 && (way[k] * a.v[k] > 0 || way[k] * a.force[k] > 0);

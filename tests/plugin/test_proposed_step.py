@@ -58,8 +58,9 @@ CENTRE = dict(rotationAxis=(0, 0, 2), rotateAroundZero=True, zeroPoint=(0, 1, 3)
     (lambda: wrapper.TranslationEngine(translationAxis=(1, 0, 0), velocity=-4.0), lambda size, away: 4),
     (lambda: wrapper.HarmonicMotionEngine(A=(0.3, 0, 0.4), f=(2, 2, 2)), lambda size, away: 2 * math.pi),
     (lambda: wrapper.HarmonicRotationEngine(A=0.5, f=2, rotationAxis=(0, 0, 1)), lambda size, away: 2 * math.pi * size),
+    (lambda: wrapper.BicyclePedalEngine(rotationAxis=(0, 0, 1), angularVelocity=5.0, radius=0.7), lambda size, away: 3.5),
     (lambda: wrapper.CombinedKinematicEngine(comb=[wrapper.TranslationEngine(translationAxis=(1, 0, 0), velocity=4.0)]), lambda size, away: 4),
-], ids=["turns", "spins", "helix", "moves", "shakes", "swings", "combined"])
+], ids=["turns", "spins", "helix", "moves", "shakes", "swings", "pedals", "combined"])
 def test_the_speeds_that_engines_will_give_count(O, engine, speed):
     """Before the first step nothing moves yet."""
     facet = utils.facet([(1, 1, 0), (3, 1, 0), (2, 1.1, 0)])

@@ -179,6 +179,16 @@ def test_a_boundary_that_gravity_moves(O, capfd):
     assert f"body #{box} is a boundary that gravity moves" in line and "through body #0" in line
 
 
+def test_a_box_that_reaches_into_the_floor_is_told_of(O, capfd):
+    """It will fall on through it, as one that stands above it would."""
+    plane.box((0, -0.05), (1, 0.05))
+    plane.disk((0.5, 0.01), 0.01)
+    box = plane.box((0, 0.06), (0.1, 0.1), blocked="xzXYZ")
+    plane.engine(gravity=(0, -9.81, 0))
+    line, = said_by(O, capfd)
+    assert f"body #{box} is a boundary that gravity moves" in line and "through body #0" in line
+
+
 @pytest.mark.parametrize("load", [50, 5000])
 def test_a_lid_that_disks_carry_is_not_told_of(O, capfd, load):
     """Without the disks the larger load would move this lid by 50 mm in a step; the floor is 2 mm away."""
