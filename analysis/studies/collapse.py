@@ -28,8 +28,10 @@ CASES = {name: SPRINGS | change for name, change in {
 CASES |= {name: RIGID | change for name, change in {
     "rigid": {}, "rigid, 2 s": SLOW, **{f"rigid{words}, {name}": base | change for words, base in (("", {}), (", packing of 10 k_n", STIFF))
                                         for name, change in RIGID_CHANGES.items()}, "rigid, packing of 10 k_n": STIFF}.items()}
-LOADS, SEEDS = (0.3, 0.4), range(1, 7)
-MAIN, MORE = ("springs", "springs, 10 k_n", "rigid", "rigid, packing of 10 k_n"), range(7, 11)  # cases that are compared on more packings
+LOADS, SEEDS, MORE = (0.3, 0.4), range(1, 7), range(7, 16)
+# Cases that are compared on the packings of MORE, too: both methods, and the settings that decide which method stands longer.
+MAIN = ("springs", "springs, 10 k_n", "rigid", "rigid, packing of 10 k_n", "springs, servo for walls", "springs, 2 s", "rigid, 2 s",
+        "rigid, step / 5", "rigid, packing of 10 k_n, step / 5")
 ROWS = {"quick": product(delta_sigma=0.4, **SPRINGS) + product(delta_sigma=0.4, **RIGID),
         "full": [row for settings in CASES.values() for row in product(**settings, delta_sigma=LOADS, seed=SEEDS)]
         + [row for name in MAIN for row in product(**CASES[name], delta_sigma=LOADS, seed=MORE)]}
