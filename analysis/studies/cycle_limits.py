@@ -18,7 +18,7 @@ RIGID = dict(method="CD", cd_dt=5e-3, period=2.0, tolerance=1e-8, **LOADING)
 MD = dict(method="MD", md_dt_factor=0.3, md_walls="force", period=0.5, **LOADING)
 LOADS = {"constant": (0.0002, 0.0005, 0.002, 0.01, 0.03, 0.1, 0.2, 0.4, 0.6), "mean": (0.0002, 0.0005, 0.002, 0.01, 0.03, 0.1, 0.2, 0.3)}
 KINDS = {"MD": "springs (MD)", "springs": "springs (CD)", "rigid": "rigid contacts (CD)"}
-LIMITS = ("alternating", "shakedown", "static")
+LIMITS = ("alternating", "shakedown", "ratchet", "static")
 
 
 def _rows(seeds, setting, loads=LOADS, **others):
@@ -54,8 +54,8 @@ MARKER = {"MD": "o", "springs": "s", "rigid": "D"}
 
 
 def draw(runs, rows, path):
-    """Draw slip and strain of late cycles against the load over each of three limits."""
-    fig, axes = plt.subplots(2, 3, figsize=(12, 7), sharey="row", sharex="col")
+    """Draw slip and strain of late cycles against the load over each limit."""
+    fig, axes = plt.subplots(2, len(LIMITS), figsize=(13, 6.6), sharey="row", sharex="col")
     table = pandas.DataFrame(rows)
     stands = table["collapses after"].isna()
     for column, limit in zip(axes.T, LIMITS):
@@ -73,8 +73,9 @@ def draw(runs, rows, path):
     axes[0, 0].set_ylabel("slip of a contact in the last unloading / R")
     axes[1, 0].set_ylabel(r"$|\Delta\gamma|$ a cycle, late cycles")
     axes[0, 0].legend(fontsize=7)
-    style.finish(fig, path, f"A point a run of {CYCLES} cycles; small: loose packings; a cross at the top: a collapse. Late: the second half of the "
-                 "cycles.", runs)
+    style.finish(fig, path, f"Each point is a run of {CYCLES} cycles. Small points: loose packings. A cross at the top: a collapse. Late cycles: "
+                 "their second half. Above the shakedown limit (Melan) slip cannot stop while all contacts stay "
+                 "closed; above the ratchet limit (Koiter) strain can grow by a mechanism.", runs)
 
 
 def quantities(table):

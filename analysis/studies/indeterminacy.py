@@ -36,6 +36,7 @@ ADMISSIBLE = 1e-4
 # Contacts at which the walk's range is compared with the exact one, by two linear programmes each; the first seed of the smaller packings.
 PROBED = 8
 OWN, DENSE = "near the rigid limit", "dense, P0 = 6e-4 k_n"
+SHOWN = {OWN: OWN, DENSE: r"dense, $P_0=6\cdot10^{-4}k_n$"}  # their words in the figure
 
 
 def kind(run):
@@ -116,10 +117,10 @@ def draw(runs, rows, path):
         medians = mine.groupby("at")[["eta", "dimension", "springs from mean", "cold start from mean"]].agg(
             lambda values: np.median(values))  # none where one packing has no value
         axes[0].plot(mine["at"], mine.eta, ls="", ms=4, alpha=0.5, **look)
-        _line(axes[0], medians.eta, least, color=look["color"], label=packing)
-        _line(axes[1], medians.dimension, least, label=packing, **look)
-        _line(axes[2], medians["springs from mean"], least, label=f"springs; {packing}", **look)
-        _line(axes[2], medians["cold start from mean"], least, ls="--", mfc="none", label=f"solver from no forces; {packing}", **look)
+        _line(axes[0], medians.eta, least, color=look["color"], label=SHOWN[packing])
+        _line(axes[1], medians.dimension, least, label=SHOWN[packing], **look)
+        _line(axes[2], medians["springs from mean"], least, label=f"springs; {SHOWN[packing]}", **look)
+        _line(axes[2], medians["cold start from mean"], least, ls="--", mfc="none", label=f"solver from no forces; {SHOWN[packing]}", **look)
     if len(rough := table[(table.packing == OWN) & (table.mu > 0)]):
         mu, eta = rough.mu.min(), rough.groupby("mu").eta.median().iloc[0]
         axes[0].plot([mu, 0.1], [eta, eta * 0.1 / mu], color="0.5", ls=":", label=r"$\propto\mu$")
@@ -130,8 +131,8 @@ def draw(runs, rows, path):
         axis.legend(loc="best", fontsize=6.5)
     axes[0].set_yscale("log")
     axes[2].set_ylim(0, None)
-    style.finish(fig, path, "Points: packings; lines: medians over seeds. The left edge is mu = 0. Only samples found "
-                 "admissible by an independent check.", runs)
+    style.finish(fig, path, "Left: each point is a packing. Lines: medians over the packings. mu = 0 stands at the left edge. All sampled "
+                 "networks of forces were found admissible by an independent check.", runs)
 
 
 def _line(axis, medians, edge, **look):

@@ -20,6 +20,11 @@ PHYSICAL = (dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), d
             dict(wall_mass_ratio=20.0), dict(wall_mass_ratio=200.0), dict(md_walls="servo"))
 NUMERICAL = (dict(period=0.25), dict(period=1.0), dict(period=2.0), dict(md_dt_factor=0.1), dict(md_dt_factor=0.2))
 SEEDS = range(1, 7)
+# The settings in the words of the figure.
+WORDS = {"kt_over_kn": r"stiffness ratio $k_t/k_n$", "beta_n": r"damping ratio $\beta_n$, also in the preparation",
+         "damping_factor": "damping in the cycles, factor", "radius_spread": "spread of the radii",
+         "preparation_friction": "friction in the preparation", "wall_mass_ratio": "mass of a wall over that of a disk", "md_walls": "walls moved by", "period": "period [s]",
+         "md_dt_factor": r"time step $dt/\sqrt{m/k_n}$"}
 ROWS = {"quick": [BASE | change for change in ({}, dict(kt_over_kn=0.1), dict(preparation_friction=0.1))],
         "full": [row for change in ({}, *PHYSICAL) for row in product(**BASE | change | dict(seed=SEEDS))]
         + [row for change in NUMERICAL for row in product(**BASE | change | dict(seed=SEEDS[:3]))]}
@@ -55,7 +60,7 @@ def _alone(runs, change):
 
 def draw(runs, rows, path):
     """Draw the strain over that of the same packing without the change, median and range; on top how far the packings differ among themselves."""
-    fig, axis = plt.subplots(figsize=(7, 6.4))
+    fig, axis = plt.subplots(figsize=(8, 6.4))
     labels = []
     for place, row in enumerate(row for row in rows if "ratio" in row):
         if row["change"] == "none":
@@ -63,7 +68,7 @@ def draw(runs, rows, path):
             label, colour = "another packing", style.GREY["44"]
         else:
             low, middle, high = (row[name] for name in ("least ratio", "ratio", "largest ratio"))
-            label, colour = f"{row['change']} ({row['packings']})", style.COLOUR["MD"]
+            label, colour = f"{_words(row['change'])} ({row['packings']:.0f})", style.COLOUR["MD"]
         labels.append(label)
         axis.plot([low, high], [place, place], color=colour, linewidth=2, alpha=0.5)
         axis.plot(middle, place, "o", color=colour, markersize=5)
@@ -75,8 +80,14 @@ def draw(runs, rows, path):
     axis.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axis.xaxis.set_minor_formatter(NullFormatter())
     axis.grid(True)
-    style.finish(fig, path, "Median and range over the packings, whose number is in brackets; "
-                 f"dSigma = {BASE['delta_sigma']:g}, sigma1 held.", runs)
+    style.finish(fig, path, "Points: medians over the packings, whose number is in brackets. Bars: from the least to the largest. "
+                 f"Strong damping has a shorter time step, too. dSigma = {BASE['delta_sigma']:g}, sigma1 held.", runs)
+
+
+def _words(change):
+    """Return a change, as the table has it, in words. The step is not named where strong damping needs a shorter one."""
+    name, value = change.split(", ")[0].split(" = ")
+    return f"{WORDS[name]}: {value}"
 
 
 def quantities(table):

@@ -91,10 +91,10 @@ def _filling(key, group, filled):
 def draw(runs, rows, path):
     """Draw error against processor time: a cycle with both references, and the filling. Lines: the least error of MD that costs no more, and of
     springs in CD."""
-    strain = r"error of $|\gamma|$ / that of springs of $k_n$"
+    strain = r"error of $|\gamma|$ over $|\gamma|$ of springs of $k_n$"
     panels = [(CYCLE_SCENE, "rigid error", "one cycle; reference: rigid grains", strain),
               (CYCLE_SCENE, "elastic error", r"one cycle; reference: springs of $k_n$", strain),
-              (FILLING_SCENE, "rigid error", "filling; reference: rigid grains", "error of the height")]
+              (FILLING_SCENE, "rigid error", "filling; reference: rigid grains", "relative error of the height")]
     panels = [panel for panel in panels if any(row["scene"] == panel[0] for row in rows)]
     fig, axes = plt.subplots(1, len(panels), figsize=(3.8 * len(panels) + 1.8, 4.2), squeeze=False)
     looks, drawn = _looks(rows), {}
@@ -114,8 +114,9 @@ def draw(runs, rows, path):
     shown = [series for series in looks if series in drawn]
     axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left",
                        bbox_to_anchor=(1.0, 0.5))
-    style.finish(fig, path, "A point: one setting of stiffness, step and tolerance. Small: cycles of 0.1 s (springs of 10 k_n: 0.316 s), else "
-                 "of 1 s. Grey: least error at that cost, full of MD, dashed of springs in CD. Bars: standard errors.", runs)
+    style.finish(fig, path, "Each point is one setting of stiffness, step and tolerance. Small points: cycles of 0.1 s (springs of 10 k_n: "
+                 "0.316 s); the others: 1 s. Grey lines: the least error of springs at that cost, full by MD, dashed in CD. Bars: "
+                 "standard errors.", runs)
 
 
 def _series(row):

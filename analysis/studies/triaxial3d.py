@@ -89,9 +89,10 @@ def draw(runs, rows, path):
     ramp.legend()
     for row in rows:
         if row["experiment"] == "ramp":
-            shift = {MD: -0.15, SPRINGS: 0.0, RIGID: 0.15}[row["medium"]]
+            slow = row["ramp_rate"] == SLOWER["ramp_rate"]
+            shift = {MD: -0.3, SPRINGS: -0.05, RIGID: 0.2}[row["medium"]] + 0.12 * slow
             loads.plot(np.arange(len(THRESHOLDS)) + shift, [row[over(threshold)] for threshold in THRESHOLDS], ls="", marker=MARKER[row["medium"]],
-                       color=COLOUR[row["medium"]], ms=5, mfc="none" if row["ramp_rate"] == SLOWER["ramp_rate"] else None)
+                       color=COLOUR[row["medium"]], ms=5, mfc="none" if slow else None)
     loads.axhline(1, color="k", lw=0.8, ls=":")
     loads.set_xticks(range(len(THRESHOLDS)), [f"{threshold:g}" for threshold in THRESHOLDS])
     loads.set(xlabel=r"strain $|\gamma|$ that is passed", ylabel=r"$\sigma_2/P_0$ over its static limit", title="all packings")
