@@ -62,13 +62,20 @@ template <class Space> void SceneLink<Space>::setFriction(cd::Threads& threads)
 	});
 }
 
-// As YADE's Ip2_FrictMat_FrictMat_FrictPhys, in its order of operations; for a boundary YADE's functors take the disk's radius.
+// The radius that YADE's functors give to the first body of a pair: of a Facet twice that of the sphere, of other boundaries the same.
+template <class Space> double SceneLink<Space>::firstRadius(const cd::Pair& pair) const
+{
+	const cd::BodyOf<Space>&a = world.bodyOf(pair.a), &b = world.bodyOf(pair.b);
+	return !isBoundary(a) ? a.radius : world.shapes[pair.a].kind == cd::ShapeKind::facet ? 2 * b.radius : b.radius;
+}
+
+// As YADE's Ip2_FrictMat_FrictMat_FrictPhys, in its order of operations.
 template <class Space> cd::Stiffness SceneLink<Space>::stiffnessOf(const cd::Pair& pair) const
 {
 	if (!stiffness.ofMaterials)
 		return { stiffness.kn, stiffness.kt };
 	const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
-	const double rb = world.bodyOf(pair.b).radius, ra = isBoundary(world.bodyOf(pair.a)) ? rb : world.bodyOf(pair.a).radius;
+	const double ra = firstRadius(pair), rb = world.bodyOf(pair.b).radius;
 	const double kn = 2 * a.young * ra * b.young * rb / (a.young * ra + b.young * rb);
 	const double kt = a.poisson > 0 && b.poisson > 0
 	    ? 2 * a.young * ra * a.poisson * b.young * rb * b.poisson / (a.young * ra * a.poisson + b.young * rb * b.poisson)
@@ -101,7 +108,7 @@ template <class Space> void SceneLink<Space>::setStiffness(Sleepers& sleepers)
 template <> cd::Rolling SceneLink<cd::Plane>::rollingOf(const cd::Pair& pair) const
 {
 	const KnownBody &a = bodies[pair.a], &b = bodies[pair.b];
-	const double rb = world.bodyOf(pair.b).radius, ra = isBoundary(world.bodyOf(pair.a)) ? rb : world.bodyOf(pair.a).radius;
+	const double ra = firstRadius(pair), rb = world.bodyOf(pair.b).radius;
 	const double kt = stiffness.rigid() ? 0 : stiffnessOf(pair).kt;
 	const double alpha = a.alphaKr > 0 && b.alphaKr > 0 ? 2 * a.alphaKr * b.alphaKr / (a.alphaKr + b.alphaKr) : 0;
 	return { std::min(a.etaRoll * ra, b.etaRoll * rb), alpha > 0 ? ra * rb * kt * alpha : 0 };
@@ -129,6 +136,7 @@ template <> void SceneLink<cd::Space3>::setRolling(cd::Sleepers<cd::Space3>&)
 }
 
 #define INSTANTIATE(Space)                                                                                                                           \
+	template double SceneLink<Space>::firstRadius(const cd::Pair&) const;                                                                        \
 	template bool SceneLink<Space>::setValues(const PairValues&);                                                                                \
 	template void SceneLink<Space>::setFriction(cd::Threads&);                                                                                   \
 	template void SceneLink<Space>::setRestitution();                                                                                            \

@@ -152,7 +152,6 @@ template <class Space> class SceneLink {
 	void gatherBodies(yade::Scene*);
 	void findFrame(yade::BodyContainer&);
 	void findPlane(yade::BodyContainer&);
-	LeavesPlane leavesPlane(int id) const;
 	void findLayer(yade::BodyContainer&);
 	void readBody(int id, const Shared<yade::Body>&, yade::ForceContainer&, long step);
 	void checkMotion(int id);
@@ -178,6 +177,7 @@ template <class Space> class SceneLink {
 	Carried readForce(std::size_t pair, bool turned);
 	void setFriction(cd::Threads&);
 	void setStiffness(Sleepers&);
+	double firstRadius(const cd::Pair&) const;
 	cd::Stiffness stiffnessOf(const cd::Pair&) const;
 	void setRolling(Sleepers&);
 	cd::Rolling rollingOf(const cd::Pair&) const;

@@ -113,9 +113,8 @@ template <class Space> void SceneLink<Space>::makeReal(std::size_t index)
 	o.real = true;
 	interaction_geom(interactions[index]) = o.geom;
 	interaction_phys(interactions[index]) = o.phys;
-	const Body &a = world.bodyOf(world.pairs[index].a), &b = world.bodyOf(world.pairs[index].b);
-	geom_refR1(o.geom) = isBoundary(a) ? b.radius : a.radius;
-	geom_refR2(o.geom) = b.radius;
+	geom_refR1(o.geom) = firstRadius(world.pairs[index]);
+	geom_refR2(o.geom) = world.bodyOf(world.pairs[index].b).radius;
 	geom_shearInc(o.geom) = Vector3r::Zero();
 	geom_normal(o.geom) = Vector3r::Zero(); // YADE does not initialise it; no contact has a zero normal
 }

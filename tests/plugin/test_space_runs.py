@@ -107,8 +107,9 @@ def test_plates_load_spheres_on_three_axes(O, thickness):
 
 
 def springs(O, damping=0.7):
-    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Facet_Aabb()]),
-                 w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Facet_Sphere_ScGeom()], [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Facet_Aabb(), w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb()]),
+                 w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Facet_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom()],
+                                   [w.Ip2_FrictMat_FrictMat_FrictPhys()],
                                    [w.Law2_ScGeom_FrictPhys_CundallStrack()]), w.NewtonIntegrator(gravity=(0, 0, -G), damping=damping)]
     O.dt = 0.3 * utils.PWaveTimeStep()
 
@@ -142,6 +143,26 @@ def test_springs_then_rigid_grains_then_springs(O):
     springs(O)
     O.run(5000, True)
     assert utils.unbalancedForce() < 1e-3 and on_the_floor() == pytest.approx(weight, rel=1e-3) and moved() < 10 * deepest
+
+
+@pytest.mark.parametrize("floor", [lambda mat: utils.facet([(-5, -5, 0), (5, -5, 0), (0, 5, 0)], material=mat),
+                                   lambda mat: utils.wall(0, axis=2, material=mat),
+                                   lambda mat: utils.box((0, 0, -0.1), (1, 1, 0.1), fixed=True, material=mat)], ids=["facet", "wall", "box"])
+def test_every_boundary_has_the_stiffness_of_yades_springs(O, floor):
+    """YADE's functors give a Facet twice the sphere's radius, other boundaries the same. At rest neither force nor place then changes: YADE's own
+    step moves the sphere by less than 1e-12 m, the first one of the engine by the error of its solver."""
+    mat = O.materials.append(utils.FrictMat(frictionAngle=0.5, density=1000, young=1e6, poisson=0.3))
+    O.bodies.append(floor(mat))
+    sphere = O.bodies[ball((0, 0, 0.0997), 0.1, mat)]
+    springs(O)
+    O.run(5000, True)
+    contact = O.interactions[0, 1]
+    height, stiffness, force = sphere.state.pos[2], (contact.phys.kn, contact.phys.ks), contact.phys.normalForce[2]
+    O.engines, O.dt = cd_engine.engines(gravity=(0, 0, -G), materialStiffness=True), 1e-4
+    O.run(100, True)
+    contact = O.interactions[0, 1]
+    assert (contact.phys.kn, contact.phys.ks) == pytest.approx(stiffness, rel=1e-12)
+    assert contact.phys.normalForce[2] == pytest.approx(force, rel=1e-6) and abs(sphere.state.pos[2] - height) < 1e-9
 
 
 def test_springs_that_overlap_much_are_too_soft_also_at_the_first_step(O, capfd):
