@@ -251,8 +251,8 @@ def test_a_planar_scene_that_gains_a_free_sphere_goes_over_to_space(O, capfd):
     assert O.bodies[free].state.pos[2] > 0.05 and O.bodies[disk].state.pos[2] == 0
 
 
-@pytest.mark.parametrize("side", [1, 2])
-def test_spheres_that_plates_hold_on_all_sides_are_solved(O, side):
+@pytest.mark.parametrize("side, most", [(1, 20000), (2, 20000), (2, 2000)])
+def test_spheres_that_plates_hold_on_all_sides_are_solved(O, side, most):
     """Gaps of 1e-12 m, left by errors of earlier steps, do not let all of their contacts stick at once. Sweeps alone missed four steps of five."""
     mat, radius = material(0.5), 0.1
     length = 2 * radius * side
@@ -262,7 +262,7 @@ def test_spheres_that_plates_hold_on_all_sides_are_solved(O, side):
     for axis, blocked in enumerate(("yzXYZ", "xzXYZ", "xyXYZ")):
         state = O.bodies[plates[2 * axis + 1]].state
         state.mass, state.blockedDOFs = 5, blocked
-    reset, collider, engine = cd_engine.engines(tolerance=1e-8)
+    reset, collider, engine = cd_engine.engines(tolerance=1e-8, maxIterations=most)
     O.engines = [reset, collider, cd_engine.PlateLoads(plates=plates, goals=(-1e3, -2e3, -3e3)), engine]
     O.dt = 1e-3
     O.run(200, True)
