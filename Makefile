@@ -1,6 +1,5 @@
 # `make` lists what there is. Everything runs on Debian's own Python, as YADE does.
 PYTHON  ?= /usr/bin/python3
-YADE    ?= yade
 # Without OMP_NUM_THREADS: since 4.4 make passes the value exported below to nproc, which would then print 1, not the number of processors.
 JOBS    ?= $(shell env -u OMP_NUM_THREADS nproc)
 # FULL=1: the full tables, hours; stop and start again at will. STUDY=name: one study only.
@@ -21,7 +20,7 @@ export HOME := $(or $(HOME),/tmp)
 on       = $(filter-out 0 no,$(1))
 extent   = $(if $(call on,$(FULL)),--full,--quick)
 site     = $(shell $(PYTHON) -m site --user-site)
-cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/*/*/*.[ch]pp cd_engine/core/*/*.inl tests/core/*.cpp)
+cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/*/*/*.[ch]pp cd_engine/*/*.inl cd_engine/*/*/*.inl tests/*/*.[ch]pp)
 packages = cd_engine yade_scripts analysis tests
 # What plain YADE scripts find defined.
 yade     = O,box,sphere,readParamsFromTable,runningInBatch,kineticEnergy,PWaveTimeStep,Quaternion,FrictMat,Sphere,ForceResetter,InsertionSortCollider,$\
@@ -64,7 +63,7 @@ soak: build ## what takes too long for `make test` or starts daemons: Slurm, kil
 	$(PYTHON) -m pytest tests/soak
 
 console: build ## YADE's console with the engine and the prepared packing
-	$(YADE) yade_scripts/console.py
+	yade yade_scripts/console.py
 
 regression: build ## run 24 cases of 18 scenes without a window and compare their results with stored numbers
 	$(PYTHON) yade_scripts/measuring/regression.py --full

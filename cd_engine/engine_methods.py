@@ -1,6 +1,7 @@
 """What the engines do in Python: functions of their classes, installed once these are there, and the refusal of misspelt names."""
 import difflib
 import math
+import numbers
 import sys
 import threading
 import traceback
@@ -70,6 +71,16 @@ def in_a_run():
     dummy, and Python code begins there with a command; in a thread made by _thread it begins with a function."""
     *_, (first, _) = traceback.walk_stack(sys._getframe())
     return isinstance(threading.current_thread(), threading._DummyThread) and first.f_code.co_name == "<module>"
+
+
+def is_number(value):
+    """Return whether a value is a finite number."""
+    return isinstance(value, numbers.Real) and math.isfinite(value)
+
+
+def gravity(engines):
+    """Return the gravity of the first live engine that has one; None without any."""
+    return next((engine.gravity for engine in engines if hasattr(engine, "gravity") and not engine.dead), None)
 
 
 def runs_besides():

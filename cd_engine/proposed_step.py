@@ -1,6 +1,5 @@
 """Proposes a time step from the bodies in the scene."""
 import math
-import numbers
 
 from . import engine_methods
 
@@ -43,12 +42,12 @@ def timeStep(gravity=None, speed=None, share=None):
     if share is None:
         bounces = any((getattr(engine, "restitution", 0) > 0 or getattr(engine, "en", None)) and not engine.dead for engine in O.engines)
         share = BOUNCING if bounces else SHARE
-    if not (_is_finite(share) and share > 0):
+    if not (engine_methods.is_number(share) and share > 0):
         raise ValueError(f"timeStep: share={share!r} is out of range: it must be a number above 0")
-    if speed is not None and not (_is_finite(speed) and speed >= 0):
+    if speed is not None and not (engine_methods.is_number(speed) and speed >= 0):
         raise ValueError(f"timeStep: speed={speed!r} m/s is out of range: it must be a number, at least 0")
     if gravity is None:
-        gravity = next((engine.gravity for engine in O.engines if hasattr(engine, "gravity")), None)
+        gravity = engine_methods.gravity(O.engines)
         if gravity is None:
             raise ValueError("timeStep: no engine of O.engines has a gravity. Set O.engines first, or give it: timeStep(gravity=(0, -9.81, 0))")
     try:
@@ -79,15 +78,11 @@ def timeStep(gravity=None, speed=None, share=None):
 
 def _springs_step(O, movable):
     """Return the longest step [s] for the stiffnesses of the engine; infinite without any."""
-    engine = next((engine for engine in O.engines if type(engine).__name__ == "ContactDynamics"), None)
+    engine = next((engine for engine in O.engines if type(engine).__name__ == "ContactDynamics" and not engine.dead), None)
     kn = math.inf if engine is None else engine.stiffness
     if engine is not None and engine.materialStiffness:
         kn = max(body.mat.young * body.shape.radius for body in movable)
     return math.sqrt(STIFF * min(body.state.mass for body in movable) / (2 * kn)) if 0 < kn < math.inf else math.inf
-
-
-def _is_finite(value):
-    return isinstance(value, numbers.Real) and math.isfinite(value)
 
 
 def _pressed(O):
@@ -109,11 +104,20 @@ def _pressed(O):
 
 def _loaded(O, loads):
     """Return the largest acceleration [m/s^2] that the stresses of PlateLoads give a plate before they rise."""
-    pairs = [[O.bodies[id] for id in loads.plates[2 * axis:2 * axis + 2] if 0 <= id < len(O.bodies) and O.bodies[id]] for axis in range(3)]
-    length = [abs(pair[1].state.pos[axis] - pair[0].state.pos[axis]) if len(pair) == 2 else loads.depth for axis, pair in enumerate(pairs)]
+    pairs, length = _plates(O, loads), _lengths(O, loads)
     return max((abs(loads.goals[axis]) * length[axis - 1] * length[axis - 2] / body.state.mass
                 for axis, pair in enumerate(pairs) if loads.stressMask >> axis & 1
                 for body in pair if body.state.mass > 0 and "xyz"[axis] not in body.state.blockedDOFs), default=0)
+
+
+def _plates(O, loads):
+    """Return the plates of PlateLoads, a list for each axis."""
+    return [[O.bodies[id] for id in loads.plates[2 * axis:2 * axis + 2] if 0 <= id < len(O.bodies) and O.bodies[id]] for axis in range(3)]
+
+
+def _lengths(O, loads):
+    """Return the distances [m] between the centres of the plates of PlateLoads along x, y and z; its depth where there are none."""
+    return [abs(pair[1].state.pos[axis] - pair[0].state.pos[axis]) if len(pair) == 2 else loads.depth for axis, pair in enumerate(_plates(O, loads))]
 
 
 def _size(body):
@@ -130,22 +134,32 @@ def _speed(body):
     return body.state.vel.norm() + body.state.angVel.norm() * _size(body)
 
 
-def _driven(engine):
-    """Return the largest speed [m/s] that one of YADE's kinematic engines gives a point of its bodies."""
+def _driven(engine, ids=None):
+    """Return the largest speed [m/s] that PlateLoads or one of YADE's kinematic engines gives a point of its bodies. ids: others than its own."""
     from yade import O, wrapper
     if engine.dead:
         return 0
-    if type(engine).__name__ == "CombinedKinematicEngine":
-        return max(map(_driven, engine.comb), default=0)
-    if not isinstance(engine, wrapper.KinematicEngine):
+    if type(engine).__name__ == "PlateLoads":
+        rates = [0 if engine.stressMask >> axis & 1 else abs(engine.goals[axis]) * (1 + abs(engine.rise[axis])) for axis in range(3)]
+        return max(rate * length for rate, length in zip(rates, _lengths(O, engine)))
+    combined = type(engine).__name__ == "CombinedKinematicEngine"
+    if not combined and not isinstance(engine, wrapper.KinematicEngine):
         return 0
+    ids = engine.ids if ids is None else ids
+    if combined:
+        return sum(_driven(part, ids) for part in engine.comb)
     along = abs(getattr(engine, "linearVelocity", 0)) + abs(getattr(engine, "velocity", 0))  # of a HelixEngine, of a TranslationEngine
     about = abs(getattr(engine, "angularVelocity", 0))
     if isinstance(engine, wrapper.HarmonicRotationEngine):
         about = 2 * math.pi * abs(engine.A * engine.f)
     elif isinstance(engine, wrapper.HarmonicMotionEngine):
         along = 2 * math.pi * math.hypot(*(size * rate for size, rate in zip(engine.A, engine.f)))
-    bodies = [O.bodies[id] for id in engine.ids if about and 0 <= id < len(O.bodies)]
+    elif isinstance(engine, wrapper.InterpolatingHelixEngine):
+        about = max(map(abs, engine.angularVelocities), default=0)
+        along = about * abs(engine.slope)
+    if not (math.isfinite(along) and math.isfinite(about)):
+        raise ValueError(f"timeStep: {type(engine).__name__} has a velocity that is not finite. Set its attributes to finite numbers")
+    bodies = [O.bodies[id] for id in ids if about and 0 <= id < len(O.bodies)]
     return along + about * max((_arm(engine, body) for body in bodies if body), default=0)
 
 

@@ -5,7 +5,7 @@ O.pause() returns when the last step has ended (where the run's own stop is not 
 import inspect
 import time
 
-from . import engine_methods, watching
+from . import engine_methods, failing, watching
 
 # They take the scene away. YADE itself would crash if the thread of the run has not begun yet, and wait for ever if an engine of the run calls them.
 REPLACING = ("load", "loadTmp", "reload", "reset", "resetAllScenes", "resetCurrentScene", "resetThisScene", "stringToScene")
@@ -38,7 +38,7 @@ def install(plugin):
         check()
         plugin.take_error()
         try:
-            with watching.awaited():
+            with failing.awaited():
                 originals["step"](self)
         finally:
             plugin.settle()
@@ -53,7 +53,7 @@ def install(plugin):
                                "waiting, which ends this run after n more steps, or leave it to the script")
         plugin.wait_begins()
         try:
-            with watching.awaited():
+            with failing.awaited():
                 original(self, *arguments)
         finally:
             plugin.wait_ends()
@@ -92,7 +92,7 @@ def install(plugin):
                 pause(self)
             originals[name](self, *arguments, **keywords)
             watching.forget()
-            of_this_scene().rigid = False  # the scene is another one, of which nothing has run
+            checks.clear()  # of another scene, of which nothing has run
         return replace
 
     engines = type(O).engines

@@ -10,7 +10,7 @@ def unsolved(engine, step):
     tolerance, doubt = engine.stepTolerance, ""
     if engine.unsolvableContact:
         first, second = engine.unsolvableContact
-        if engine.status in ("no_solution", "indefinite"):
+        if engine.status == "no_solution":
             return begin + (f"bodies #{first} and #{second} are squeezed or wedged, and no solution was found. Look for boundaries that move towards "
                             "each other with disks between them; one that is to press with a force needs a mass, free directions and "
                             "O.forces.setPermF instead of a velocity. With friction there may still be a solution, which another method or seed may "

@@ -9,15 +9,13 @@ A check finds what no valid simulation has:
     numbers  a position or a velocity is not finite
 It reads the scene and changes nothing in it.
 """
-import contextlib
 import math
-import sys
 
 import numpy as np
 
-from . import springs
+from . import engine_methods, failing, springs
 
-LABEL = "watching"
+LABEL, COMMAND = "watching", "import cd_engine.watching; cd_engine.watching.fire"  # of the engine that watches
 FIRST = 200  # steps to the second check; each interval is four times the last one until `every`
 SPRINGS, RIGID = 10_000, 1_000  # largest interval [steps]. A check costs as much as 40 to 100 steps of springs, or five of Contact Dynamics
 
@@ -154,7 +152,8 @@ class Watch:
         laws = {type(law).__name__ for engine in live if hasattr(engine, "lawDispatcher") for law in engine.lawDispatcher.functors}
         pushed = O.forces.getPermForceUsed() or any(getattr(engine, "gapCorrection", 0) > 0 for engine in live)
         return bool(still and laws <= REPULSIVE and not pushed and all(
-            type(engine).__name__ in PASSIVE or type(engine).__name__ == "PyRunner" and engine.label in (LABEL, *self.observers) for engine in live))
+            type(engine).__name__ in PASSIVE
+            or type(engine).__name__ == "PyRunner" and (engine.label in self.observers or engine.command.startswith(COMMAND)) for engine in live))
 
     def _enough(self, O, bodies):
         """Return a step [s] that is short enough for contacts as stiff as those seen; None if O.dt is."""
@@ -172,7 +171,7 @@ def _explicit(O):
 
 
 def _gravity(O):
-    found = next((engine.gravity for engine in O.engines if hasattr(engine, "gravity") and not engine.dead), None)
+    found = engine_methods.gravity(O.engines)
     return np.array([found[k] for k in range(3)]) if found is not None else np.zeros(3)
 
 
@@ -208,7 +207,6 @@ def _alternating(O, bodies, gravity, chosen, moved):
 
 
 _watches = {}  # {(number of YADE's scene, labels): Watch}
-_failure, _awaited = None, False  # what has ended a run and was not raised yet; whether `awaited` will raise it
 
 
 def of_scene(observers=()):
@@ -224,32 +222,15 @@ def forget():
 
 def fire(observers, most):
     """Check the scene from within a run, and set the steps to the next check. An unstable run ends."""
-    global _failure
     from yade import O
     watch = of_scene(observers)
-    engine = next(engine for engine in O.engines if engine.label == LABEL)
+    engine = next(engine for engine in O.engines if getattr(engine, "command", "") == _command(observers, most))
     engine.iterPeriod = min(4 * engine.iterPeriod if watch.start else FIRST, most or (SPRINGS if _explicit(O) else RIGID))
     try:
         names = [type(other).__name__ for other in O.engines]
         watch.check("NewtonIntegrator" in names[:O.engines.index(engine)])
     except Unstable as error:
-        _failure = error
-        if not _awaited:
-            print(f"cd_engine.watch: {error}", file=sys.stderr, flush=True)
-        O.stopAtIter = O.iter + 1
-
-
-@contextlib.contextmanager
-def awaited():
-    """Raise at the end what a check has found while the caller waits for a run."""
-    global _failure, _awaited
-    _failure, _awaited = None, True
-    try:
-        yield
-    finally:
-        _awaited = False
-    if _failure:
-        raise _failure
+        failing.fail(error, f"cd_engine.watch: {error}")
 
 
 def watch(every=None, observers=()):
@@ -268,5 +249,8 @@ def watch(every=None, observers=()):
     from yade import wrapper
     if every is not None and not (isinstance(every, int) and every > 0):
         raise ValueError(f"watch: every={every!r} is out of range: it must be a whole number of steps above 0")
-    return wrapper.PyRunner(command=f"import cd_engine.watching; cd_engine.watching.fire({tuple(observers)!r}, {every!r})", iterPeriod=FIRST,
-                            initRun=True, updateGlobals=False, label=LABEL)
+    return wrapper.PyRunner(command=_command(observers, every), iterPeriod=FIRST, initRun=True, updateGlobals=False, label=LABEL)
+
+
+def _command(observers, most):
+    return f"{COMMAND}({tuple(observers)!r}, {most!r})"

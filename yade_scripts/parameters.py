@@ -4,8 +4,8 @@ A row (a line of a table, or name=value arguments) overrides defaults; `complete
 `depth` deep, so a 2D stress [N/m] is a stress [Pa] times `depth`. Equations, figures and "the paper" refer to Garcia-Rojo, McNamara and
 Herrmann (ECCOMAS 2004), which does not give many of these values (see each meaning); the values used are stored with the result.
 
-This file has the parameters that all scenes have. The file of a scene has the scene's own parameters and defaults; these parameters are allowed only
-in rows of that scene.
+This file has the parameters that several scenes have. The file of a scene has the scene's own parameters and defaults; these parameters are allowed
+only in rows of that scene.
 
 `/usr/bin/python3 -m yade_scripts.parameters` prints the list.
 """
@@ -29,7 +29,8 @@ SPRING_TOLERANCE = 0.1  # default of `tolerance` where cd_contacts = springs, as
 
 REGISTRY = {p.name: p for p in (
     Parameter("scene", "biaxial", "1", "what is simulated", choices=scenes.names()),
-    Parameter("method", "MD", "1", "MD: springs and dashpots; CD: rigid contacts", choices=("MD", "CD")),
+    Parameter("method", "MD", "1", "MD: springs and dashpots; CD: contacts solved implicitly, rigid unless cd_contacts says otherwise",
+              choices=("MD", "CD")),
     # The sample; the paper: 400 disks, k_n = 2 MPa, mu = 0.1, P0 = 6e-4 k_n (caption of Fig. 3).
     Parameter("disks", 400, "1", "number of disks", low=1, high=100000, prepare=True),
     Parameter("seed", 1, "1", "seed of radii, positions and velocities of the packing", low=0, high=2**31 - 1, prepare=True),

@@ -94,11 +94,13 @@ def quantities(table):
     to_melan = (springs.dSigma / springs.shakedown).groupby([springs["stress path"], springs["preparation friction"], springs.seed])
     nearest = to_melan.agg(lambda own: own[own < 1].max()), to_melan.agg(lambda own: own[own > 1].min())
 
-    def rates(rows):
+    def by_load(rows):
+        """Return the rows of springs in CD from the alternating to Melan's limit, from Koiter's to half the static limit, and from there on."""
         own = rows[rows.medium == "springs"]
         near = own.dSigma >= 0.5 * own.static
-        parts = own[own.dSigma < own.shakedown], own[(own.dSigma > own.ratchet) & ~near], own[near]
-        return ", ".join(f"{part[late].abs().median():.1e} ({len(part)} runs)" for part in parts)
+        return own[own.dSigma < own.shakedown], own[(own.dSigma > own.ratchet) & ~near], own[near]
+
+    rates = [[(part[late].abs().median(), len(part)) for part in by_load(rows)] for rows in (dense_between, loose_between)]
 
     rigid_below = rigid[rigid.dSigma < 0.9 * rigid.static]
     paper = dense_between[(dense_between["stress path"] == "mean") & (dense_between.dSigma == 0.1)]  # the lowest load of the paper's Fig. 3

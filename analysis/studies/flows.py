@@ -29,10 +29,11 @@ ROWS = {"quick": rows_of("filling", SMALL, [FINE, FINE | {"fixed_iterations": 10
 
 def settings(row):
     """Return the setting of a row in words."""
-    step = f"{1e3 * row['step']:g} ms"
+    step = f"step {1e3 * row['step']:g} ms"
     if row["kind"] in (MD, SPRINGS):
-        return f"{row['setting']:g} N/m, beta_n = {row['beta_n']:g}" + (f", {step}" if row["kind"] == SPRINGS else "")
-    return f"{row['setting']:.0f} sweeps, {step}" if row["kind"] == FEW else f"{row['setting']:g}, {step}"
+        stiffness = f"{row['setting']:.0e}".replace("e+0", "e")
+        return f"{stiffness} N/m, beta_n = {row['beta_n']:g}" + (f", {step}" if row["kind"] == SPRINGS else "")
+    return f"{row['setting']:.0f} sweeps, {step}" if row["kind"] == FEW else f"tolerance {row['setting']:g}, {step}"
 
 
 def quantities(table):
@@ -42,8 +43,8 @@ def quantities(table):
     best = {kind: {scene: flow_costs.cheapest(rows, scene, SMALL, kind) for scene in QUANTITY} for kind in KINDS}
     gain = flow_costs.gains(rows, SMALL, FEW)
     least = flow_costs.spread(flow_costs.drawn_gains(rows, SMALL, FEW))[0]
-    fine, coarser, coarse, proposed, strict, default = (
-        flow_costs.of_setting(table, setting) for setting in (FINE, COARSER, COARSE, PROPOSED, STRICT, DEFAULT))
+    fine, coarser, coarse, proposed, strict = (
+        flow_costs.of_setting(table, setting) for setting in (FINE, COARSER, COARSE, PROPOSED, STRICT))
     corrected = flow_costs.of_setting(table, COARSE, 0.1)
     judged = table[~table.is_rigid_answer & table.apply(flow_costs.is_judged, axis=1)]
     springs = table[table.kind == MD].set_index(["setting", "beta_n", "scene"]).sort_index()

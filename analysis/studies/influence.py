@@ -23,8 +23,8 @@ SEEDS = range(1, 7)
 # The settings in the words of the figure.
 WORDS = {"kt_over_kn": r"stiffness ratio $k_t/k_n$", "beta_n": r"damping ratio $\beta_n$, also in the preparation",
          "damping_factor": "damping in the cycles, factor", "radius_spread": "spread of the radii",
-         "preparation_friction": "friction in the preparation", "wall_mass_ratio": "mass of a wall over that of a disk", "md_walls": "walls moved by", "period": "period [s]",
-         "md_dt_factor": r"time step $dt/\sqrt{m/k_n}$"}
+         "preparation_friction": "friction in the preparation", "wall_mass_ratio": "mass of a wall over that of a disk", "md_walls": "walls moved by",
+         "period": "period [s]", "md_dt_factor": r"time step $dt/\sqrt{m/k_n}$"}
 ROWS = {"quick": [BASE | change for change in ({}, dict(kt_over_kn=0.1), dict(preparation_friction=0.1))],
         "full": [row for change in ({}, *PHYSICAL) for row in product(**BASE | change | dict(seed=SEEDS))]
         + [row for change in NUMERICAL for row in product(**BASE | change | dict(seed=SEEDS[:3]))]}

@@ -114,8 +114,8 @@ def draw(runs, rows, path):
         if which in runs_of:
             panel(axis, runs_of[which], table[table.experiment == which])
     style.finish(fig, path, "Top left: one packing. Top right: each point is a packing under one load; late cycles are cycles 11 to 20; "
-                 "dotted: as by MD. Rigid contacts below the static limit show the error of their solver only. Bottom left: all packings. Bottom right: means of "
-                 "neighbouring cycles, a line for each packing.", runs)
+                 "dotted: as by MD. Rigid contacts below the static limit show the error of their solver only. Bottom left: all packings. "
+                 "Bottom right: means of neighbouring cycles, a line for each packing.", runs)
 
 
 LINE = {MD: dict(lw=3, alpha=0.6), SPRINGS: dict(lw=1.5, ls="--"), RIGID: dict(lw=1.5)}
@@ -204,9 +204,8 @@ def quantities(table):
     starts = {medium: of(RAMP, medium)[over(THRESHOLDS[0])] for medium in (MD, SPRINGS, RIGID)}
     below = {medium: of(LATE, medium)[lambda rows: rows["load over limit"] < 0.96] for medium in (MD, SPRINGS, RIGID)}
     first, late = (_pairs(below[SPRINGS], below[MD], name) for name in ("first cycle", "rate"))
-    all_first, all_late = (_pairs(of(LATE, SPRINGS), of(LATE, MD), name) for name in ("first cycle", "rate"))
     half_late = _pairs(stepped(LATE), of(LATE, MD), "rate")
-    law_first, law_late = (_pairs(other(LATE), of(LATE, MD), name) for name in ("first cycle", "rate"))
+    law_late = _pairs(other(LATE), of(LATE, MD), "rate")
     rests = below[RIGID][["first cycle", "rate"]].abs().max().max()
     lives = {load: {medium: of(COLLAPSE, medium)[lambda rows: rows.dSigma == load] for medium in (MD, SPRINGS, RIGID)} for load in LIVES}
     standing = {load: {medium: int(rows.stands.notna().sum()) for medium, rows in own.items()} for load, own in lives.items()}

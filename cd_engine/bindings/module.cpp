@@ -96,7 +96,7 @@ void endOnSignal()
 		throw py::error_already_set();
 }
 
-// (iterations, factorizations, residual, residual_max, status, contact, solved_by, seconds, evaluations) of a solution. evaluations: of a
+// (iterations, factorizations, residual, residual_max, error, status, contact, solved_by, seconds, evaluations) of a solution. evaluations: of a
 // trace, two numbers each.
 template <class System, class Solver>
 py::tuple solved(System& system, Solver* solver, const std::string& method, cd::SolverSettings settings, bool traced)
@@ -118,8 +118,8 @@ py::tuple solved(System& system, Solver* solver, const std::string& method, cd::
 		evaluations.append(one.iterations);
 		evaluations.append(one.error);
 	}
-	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, cd::name(report.status), report.contact,
-	    cd::solvedBy(method, report), seconds, evaluations);
+	return py::make_tuple(report.iterations, report.factorizations, report.residual, report.residualMax, report.error, cd::name(report.status),
+	    report.contact, cd::solvedBy(method, report), seconds, evaluations);
 }
 
 // Returns the impulses, and what `solved` does. threads: for bodies, of which there are nine arrays.

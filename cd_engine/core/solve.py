@@ -152,8 +152,8 @@ def _solve_spheres(spheres, problem, method, tolerance, max_iterations, impulses
 
 
 def _report(problem, p, found, tolerance, trace):
-    iterations, factorizations, e, worst, status, contact, solved_by, seconds, evaluations = found
-    converged = status == "converged" or (status == "fixed_iterations" and e <= tolerance)
+    iterations, factorizations, e, worst, error, status, contact, solved_by, seconds, evaluations = found
+    converged = status == "converged" or (status == "fixed_iterations" and error <= tolerance)
     contact = contact if contact >= 0 and not converged else None
     bodies = tuple(map(int, problem.pairs[contact])) if not isinstance(problem, Problem) and contact is not None else None
     evaluations = np.array(evaluations, float).reshape(-1, 2) if trace else None

@@ -2,11 +2,10 @@
 
 Matplotlib is imported when the first picture is drawn. Figures and backend of pyplot stay as they are.
 """
-import math
-import numbers
 import os
 
 from . import scene
+from .. import engine_methods
 
 PICTURES, FILMS = (".png", ".pdf", ".svg"), (".gif", ".mp4", ".png")
 COLOURS = ("speed", "force", "radius", "spin")
@@ -66,7 +65,7 @@ def film(path, every, colour="speed", *, fps=None, label=None, limits=None, forc
     if not isinstance(colour, (str, type(None))):
         raise ValueError(f"film: colour must be one of {', '.join(map(repr, COLOURS))} or None")
     for name, value in (("every", every), ("fps", fps)):
-        if not (name == "fps" and value is None or _is_number(value) and value > 0):
+        if not (name == "fps" and value is None or engine_methods.is_number(value) and value > 0):
             raise ValueError(f"film: {name}={value!r} must be a number above 0")
     _layout()
     frames.check(path)
@@ -90,19 +89,19 @@ def _checked(name, colour, limits, strongest, view, look, size, dpi):
     if isinstance(colour, str) and colour not in COLOURS:
         raise ValueError(f"{name}: colour={colour!r} must be one of {', '.join(map(repr, COLOURS))}, None" + " or an array" * (name == "picture"))
     for word, value in (("size", size), ("dpi", dpi), ("strongest", strongest)):
-        if not (word == "strongest" and value is None or _is_number(value) and value > 0):
+        if not (word == "strongest" and value is None or engine_methods.is_number(value) and value > 0):
             raise ValueError(f"{name}: {word}={value!r} must be a number above 0")
     for word, value, meaning in (("limits", limits, ("low", "high")), ("view", view, ("left", "right", "bottom", "top"))):
         if value is None:
             continue
         try:
-            good = len(value) == len(meaning) and all(map(_is_number, value)) and all(a < b for a, b in zip(value[::2], value[1::2]))
+            good = len(value) == len(meaning) and all(map(engine_methods.is_number, value)) and all(a < b for a, b in zip(value[::2], value[1::2]))
         except TypeError:
             good = False
         if not good:
             raise ValueError(f"{name}: {word}={value!r} must be ({', '.join(meaning)}), the smaller number of a pair first")
     try:
-        good = look is None or len(look) == 3 and all(map(_is_number, look)) and any(look)
+        good = look is None or len(look) == 3 and all(map(engine_methods.is_number, look)) and any(look)
     except TypeError:
         good = False
     if not good:
@@ -110,9 +109,6 @@ def _checked(name, colour, limits, strongest, view, look, size, dpi):
     limits, view, look = (value if value is None else tuple(map(float, value)) for value in (limits, view, look))
     return dict(colour=colour, limits=limits, strongest=None if strongest is None else float(strongest), view=view, look=look, size=float(size))
 
-
-def _is_number(value):
-    return isinstance(value, numbers.Real) and math.isfinite(value)
 
 
 def _layout():

@@ -59,9 +59,9 @@ namespace {
 	}
 
 	// The settings which must be those of the last step, so that islands which did not change then do not change now.
-	template <class Space> std::array<double, 8> sleepSettings(const cd::StepSettings<Space>& s)
+	template <class Space> std::array<double, 7> sleepSettings(const cd::StepSettings<Space>& s)
 	{
-		return { s.dt, s.restitution, s.gapCorrection, s.overlapCorrection, s.allowedOverlap, s.restTolerance, s.dampingRatio, 1 };
+		return { s.dt, s.restitution, s.gapCorrection, s.overlapCorrection, s.allowedOverlap, s.restTolerance, s.dampingRatio };
 	}
 
 } // namespace
@@ -171,25 +171,22 @@ void ContactDynamics::chooseSpace()
 		return;
 	bool kept = false; // whether a disk is kept in a plane; a plate that moves along an axis stands in scenes in space, too
 	int leaves = -1;
+	bool isFacet = false;
 	for (int id = 0; id < static_cast<int>(bodies.size()); id++) {
 		const Shared<yade::Body>& body = bodies[id];
 		if (!body || !body_state(body))
 			continue;
 		const unsigned blocked = state_blockedDOFs(body_state(body));
 		const auto kind = body_shape(body) ? kindOf(body_shape(body).get()) : std::nullopt;
-		leaves = leaves < 0 && (keepsNoPlane(blocked) || kind == cd::ShapeKind::facet) ? id : leaves;
+		if (leaves < 0 && (keepsNoPlane(blocked) || kind == cd::ShapeKind::facet)) {
+			leaves = id;
+			isFacet = kind == cd::ShapeKind::facet;
+		}
 		kept = kept || (kind == cd::ShapeKind::disk && !keepsNoPlane(blocked) && (blocked & 63) != 63);
 	}
 	if (leaves < 0)
 		return;
-	if (kept)
-		takeToSpace({ text("body #", leaves,
-				  " is free to leave the plane in which other bodies are kept, or a Facet, so the scene is solved in space"),
-		    text("Set O.bodies[", leaves,
-			"].state.blockedDOFs, 'zXY' in x-y, 'yXZ' in x-z, 'xYZ' in y-z, to keep it in the plane, where Box and "
-			"Wall are known.") });
-	else
-		takeToSpace({});
+	takeToSpace(kept ? LeavesPlane::of(leaves, isFacet) : LeavesPlane {});
 }
 
 void ContactDynamics::takeToSpace(const LeavesPlane& body)
@@ -203,41 +200,7 @@ void ContactDynamics::takeToSpace(const LeavesPlane& body)
 	inSpace = true;
 }
 
-// The tolerance of the next step: the largest power of ten, within its limits, that is not above `unrest`. An error changes velocities by about
-// the tolerance times W_nn |p|. Beside the velocities of a flow this may be little where it is much beside those of a packing at rest. The energy
-// that a step dissipates, a mean of p u, over W_nn |p|^2 tells them apart: with 500 disks it is 2e-4 to 0.2 while they flow out of a silo, in a
-// drum or in a collapse. At rest, where errors alone move the disks, it is mostly at most half the tolerance, so that the tolerance falls. Where
-// contacts slide by errors it can be more: 3.5 times the error in a silo of 300 disks whose forces had been forgotten. Powers of ten, because the
-// round-off of `unrest` may depend on the way in which a step is made, and must not change the tolerance.
-double ContactDynamics::nextTolerance() const
-{
-	if (!stiffnessSettings().rigid()) {
-		double next = tolerance;
-		while (next > leastTolerance() && unrest * tolerance < next)
-			next /= 10;
-		return std::max(next, leastTolerance());
-	}
-	double next = flowTolerance;
-	while (next > tolerance && unrest < next)
-		next = next > 11 * tolerance ? next / 10 : tolerance;
-	return std::max(next, tolerance);
-}
-
-// Smallest tolerance with stiffnesses: that of contacts in which nothing moves.
-double ContactDynamics::leastTolerance() const
-{
-	constexpr double leastMotion = 1e-8, finest = 1e-10;
-	return std::max(finest, leastMotion * tolerance);
-}
-
-// A step after one with a larger tolerance begins with a poor guess and takes many sweeps, so the tolerance falls only after some steps at rest.
-void ContactDynamics::noteUnrest(const cd::StepReport& report)
-{
-	const bool rigid = stiffnessSettings().rigid();
-	const double fades = rigid ? 0.9 : 0.5; // in a step; tenfold in 22, or in 4
-	const double now = report.solver.work > 0 ? (rigid ? report.dissipated : report.work) / report.solver.work : 0;
-	unrest = std::max(now, fades * unrest);
-}
+cd::StepTolerance ContactDynamics::tolerances() const { return { stiffnessSettings().rigid(), tolerance, flowTolerance }; }
 
 template <class Space> cd::StepSettings<Space> ContactDynamics::settings(yade::Scene* of) const
 {
@@ -256,8 +219,8 @@ template <class Space> cd::StepSettings<Space> ContactDynamics::settings(yade::S
 	s.solveRolling = cd::findSolver<cd::RollingPlane>(method);
 	if (!s.solve)
 		throw SceneError("ContactDynamics: the method '" + method + "' solves planar scenes only. In space set method to 'auto'");
-	s.restTolerance = stiffnessSettings().rigid() ? tolerance : 100 * leastTolerance();
-	s.solver = { nextTolerance(), maxIterations, fixedIterations };
+	s.restTolerance = tolerances().ofRest();
+	s.solver = { tolerances().next(unrest), maxIterations, fixedIterations };
 	if (seed > 0) // a different random order in every step, but the same in every repetition of a run
 		s.solver.seed = static_cast<unsigned>(seed) * 2654435761u + static_cast<unsigned>(s.iteration) + 1;
 	return s;
@@ -337,7 +300,7 @@ template <class Space> void ContactDynamics::advance()
 	link.mask = read(&ContactDynamics::mask);
 	if (link.setValues(readPairValues()))
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
-	const std::array<double, 8> keeping = sleepSettings(settings);
+	const std::array<double, 7> keeping = sleepSettings(settings);
 	if (keeping != last || settings.solver.fixedIterations > 0 || settings.solver.seed > 0 || !settings.reduce || !warmStart || handover)
 		step.sleepers.wakeAll(link.world, { "settings have changed", -1 });
 	leaveSprings<Space>();
@@ -385,8 +348,8 @@ template <class Space> void ContactDynamics::repeatIdleStep(const Vector3r& weig
 	{
 		const std::lock_guard<std::mutex> lock(attributesLock);
 		steps++;
-		stepTolerance = nextTolerance();
-		noteUnrest({});
+		stepTolerance = tolerances().next(unrest);
+		unrest = tolerances().unrest(unrest, {});
 	}
 	if (scene_trackEnergy(scene))
 		track(energyOf<Space>(link.world, link.toCore(weighs)).kinetic, 0, 0);
@@ -448,7 +411,7 @@ template <class Space> void ContactDynamics::report(const cd::StepReport& report
 		memory().overlaps.forget(link.world.pairs, step.overlapsForgotten());
 
 	stepTolerance = settings.solver.tolerance;
-	noteUnrest(report);
+	unrest = tolerances().unrest(unrest, report);
 	iterations = report.solver.iterations;
 	residual = report.solver.residual;
 	residualMax = report.solver.residualMax;

@@ -49,11 +49,9 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	template <class Use> auto onCourse(const Use& use) { return inSpace ? use(courseInSpace) : use(courseInPlane); }
 	void chooseSpace();
 	void takeToSpace(const LeavesPlane&);
-	double nextTolerance() const;
-	void noteUnrest(const cd::StepReport&);
+	cd::StepTolerance tolerances() const;
 	template <class Space> cd::StepSettings<Space> settings(yade::Scene*) const;
 	StiffnessSettings stiffnessSettings() const;
-	double leastTolerance() const;
 	PairValues pairValues() const;
 	PairValues readPairValues() const;
 	void recallRest(cd::Rest&);
@@ -84,8 +82,8 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	static std::atomic<ContactDynamics*> latest; // the engine that has made the last step
 	std::mutex stepping; // held during a step: O.pause() may return while the last step still runs
 	OtherEngines others;
-	bool warnedOfUnsolved = false, warnedOfUnsolvable = false, warnedOfLost = false, warnedOfSpeed = false;
-	std::array<double, 8> last {}; // the settings of the last step on which sleep depends
+	bool warnedOfUnsolved = false, warnedOfLost = false, warnedOfSpeed = false;
+	std::array<double, 7> last {}; // the settings of the last step on which sleep depends; a step of 0 s: none
 	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
 	bool moved = false; // the step under way has moved the bodies
 	long known = 0; // attributes set before the last step

@@ -178,7 +178,7 @@ void OtherEngines::wake()
 
 void OtherEngines::wakeAfterRun(const std::vector<uint8_t>& still)
 {
-	constexpr long many = 1000, few = 10; // bodies; steps, in which they hardly pass each other
+	constexpr long many = 1000, few = 50; // bodies; steps, in which they hardly pass each other, and beside which a sort costs little
 	if (resting && rested > few && std::count(still.begin(), still.end(), 0) > many)
 		wakeUnsorted();
 	wake();

@@ -47,7 +47,7 @@ template <class Visitor> void PlateLoads::attributes(Visitor&& visit)
 	    "True strain along x, y and z since the first step with these *plates*, at the beginning of the last one [1].");
 	visit("work", &P::work, result,
 	    "Work of the forces on the plates from the first step to the beginning of the last one [J]. What moves plates at a strain rate is not in "
-	    "it, nor what happens while this engine is dead.");
+	    "it, nor the step before a pause of this engine and what happens in the pause.");
 	visit("steps", &P::steps, result, "Steps made [1].");
 	visit("faces", &P::faces, internal, "Places of the plates' inner faces at the beginning of the last step [m].");
 	visit("pushes", &P::pushes, internal, "Forces on the plates in the last step [N].");

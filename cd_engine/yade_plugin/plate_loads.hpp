@@ -41,7 +41,6 @@ class PlateLoads : public RegisteredEngine<PlateLoads> {
 	// The two plates of an axis, if it has both.
 	struct Axis {
 		void *low = nullptr, *high = nullptr; // State
-		double lowFace = 0, highFace = 0; // inner faces [m]
 		bool given() const { return low; }
 	};
 

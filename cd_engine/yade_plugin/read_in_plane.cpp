@@ -6,13 +6,6 @@
 
 namespace cd_engine {
 
-template <> LeavesPlane SceneLink<cd::Plane>::leavesPlane(int id) const
-{
-	return { text(
-		     "body #", id, " is free to leave the ", frame.name(), " plane, in which other bodies are kept, so the scene is solved in space"),
-		text("Set O.bodies[", id, "].state.blockedDOFs='", frame.blocks(), "' to keep it in the plane.") };
-}
-
 template <> void SceneLink<cd::Plane>::findPlane(yade::BodyContainer& container)
 {
 	const ScenePlane now = ScenePlane::of(container, frame, gravity);
@@ -29,7 +22,7 @@ template <> void SceneLink<cd::Plane>::findPlane(yade::BodyContainer& container)
 		const Shared<yade::Body>& body = container[id];
 		if (body && body_state(body) && body_shape(body) && kindOf(body_shape(body).get())
 		    && !frame.keeps(state_blockedDOFs(body_state(body))))
-			throw leavesPlane(id);
+			throw LeavesPlane::of(id, false);
 	}
 	throw SceneError(
 	    text("ContactDynamics: gravity = (", gravity[0], ", ", gravity[1], ", ", gravity[2], ") m/s^2 points out of the ", frame.name(),
@@ -89,7 +82,7 @@ template <> void SceneLink<cd::Plane>::checkMotion(int id)
 			refuseBody(id, "belongs to a clump", releaseClump);
 		if (!kindOf(bodies[id].shape))
 			refuseShape(id, bodies[id].shape); // to set its freedoms would not help
-		throw leavesPlane(id);
+		throw LeavesPlane::of(id, false);
 	}
 	if (velocity[frame.normal] != 0 || spin[frame.x] != 0 || spin[frame.y] != 0)
 		refuseBody(id, text("moves out of the ", frame.name(), " plane"),
@@ -197,8 +190,7 @@ template <> bool SceneLink<cd::Plane>::readShape(int id, cd::Body& body)
 	if (!kind)
 		refuseShape(id, bodies[id].shape);
 	if (*kind == cd::ShapeKind::facet)
-		throw LeavesPlane { text("body #", id, " is a Facet, which is known in space only, so the scene is solved in space"),
-			"Use Box or Wall to keep it in the plane." };
+		throw LeavesPlane::of(id, true);
 	cd::Shape& shape = world.shapes[id];
 	if (shape.kind != *kind) {
 		shape = {};

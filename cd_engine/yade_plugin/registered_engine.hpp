@@ -157,12 +157,10 @@ template <class E> class RegisteredEngine : public yade::GlobalEngine {
 	{
 		bool found = false;
 		E::attributes([&](const char* name, auto member, const Access& access, const char*) {
-			if (key != name || access.kind == Access::remember)
+			if (key != name || access.kind != Access::set)
 				return;
 			found = true;
 			const auto full = [&key] { return std::string(E::name) + "." + key; }; // for messages only: hooks set attributes in mid-run
-			if (access.kind == Access::read)
-				raise(PyExc_AttributeError, full() + " is a result and cannot be set");
 			using T = std::decay_t<decltype(self().*member)>;
 			// NumPy's numbers are no numbers to Boost.Python.
 			const bool ofNumpy = std::is_arithmetic_v<T> && PyObject_HasAttrString(value.ptr(), "item");
@@ -241,7 +239,7 @@ template <class E> void RegisteredEngine<E>::pySetAttr(const std::string& key, c
 {
 	if (setOwn(key, value))
 		return;
-	// Refuses a misspelt name with the right one. YADE would say only that there is no such attribute.
+	// Refuses a result, and a misspelt name with the right one. YADE would say only that there is no such attribute.
 	py::import("cd_engine.engine_methods").attr("check_name")(py::object(py::import("yade.wrapper").attr(E::name)), key);
 	GlobalEngine::pySetAttr(key, value);
 }

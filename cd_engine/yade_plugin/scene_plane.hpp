@@ -2,6 +2,7 @@
 #pragma once
 
 #include "layout.hpp"
+#include "scene_error.hpp"
 #include "scene/scene.hpp"
 
 namespace cd_engine {
@@ -81,6 +82,15 @@ inline bool keepsNoPlane(unsigned blockedDOFs)
 // A body can leave the plane in which the scene was solved until now: it is to be solved in space.
 struct LeavesPlane {
 	std::string what, remedy;
+
+	static LeavesPlane of(int id, bool isFacet)
+	{
+		if (isFacet)
+			return { text("body #", id, " is a Facet, which is known in space only, so the scene is solved in space"),
+				"Use Box or Wall to keep it in the plane." };
+		return { text("body #", id, " is free to leave the plane of the scene, so the scene is solved in space"),
+			text("To keep it in the plane, set O.bodies[", id, "].state.blockedDOFs to 'zXY' (x-y), 'yXZ' (x-z) or 'xYZ' (y-z).") };
+	}
 };
 
 struct SceneSpace {

@@ -58,7 +58,6 @@ void ContactDynamics::warnOfUnsolved()
 {
 	if (std::exchange(warnedOfUnsolved, true))
 		return;
-	warnedOfUnsolvable = !unsolvableContact.empty();
 	std::cerr << words("unsolved") << " Further such steps are counted in unconvergedSteps.\n";
 }
 
@@ -119,8 +118,8 @@ template <class Space> void ContactDynamics::warnOfPenetration(double before, bo
 	auto& [link, step] = course<Space>();
 	const double smallest = cd::smallestRadius(link.world), longest = link.pairSearch().longestWay();
 	const auto passes = [&](double share) { return before <= share * smallest && deepestPenetration > share * smallest; };
-	if (!((passes(deep) && !link.world.compliant()) || passes(veryDeep)) || warnedOfUnsolvable || link.boundariesPlaced())
-		return; // an unsolvable step, or a boundary that is moved by its position, has its own warning
+	if (!((passes(deep) && !link.world.compliant()) || passes(veryDeep)) || !unsolvableContact.empty() || link.boundariesPlaced())
+		return; // a step without a solution, or a boundary that is moved by its position, has its own warning
 	const cd::Pair& deepest = link.deepest(step);
 	// Two bodies can approach each other in the step. One that has come with it overlaps because it was put there; if the scene has just been
 	// taken over, all have come, and only what they have approached since counts as overlap.

@@ -132,6 +132,26 @@ def test_fixed_iterations_and_seed():
     assert not np.array_equal(a.impulses, core.solve(problem, fixed_iterations=9, seed=5).impulses)
 
 
+def test_given_sweeps_have_converged_only_if_the_solver_itself_would_accept_them():
+    """A column with heavy bodies at its foot: e, relative to all impulses, is small long before its light bodies are carried."""
+    masses = np.array([1e6, 1e3, 1, 1, 1])
+    touching = np.array([[-1, 0], [0, 1], [1, 2], [2, 3], [3, 4]])  # -1: the ground
+    heights = np.zeros((5, 5))  # column: body; row: contact
+    for row, (low, high) in enumerate(touching):
+        heights[row, high] += 1
+        if low >= 0:
+            heights[row, low] -= 1
+    W, q = np.zeros((10, 10)), np.zeros(10)
+    W[::2, ::2] = heights @ np.diag(1 / masses) @ heights.T
+    W[1::2, 1::2] = np.diag(1 / masses)
+    q[::2] = heights @ np.full(5, -1.0)
+    problem = core.Problem(W, q, np.full(5, 0.5))
+    enough = core.solve(problem, "nsgs", tolerance=1e-4).iterations
+    few = core.solve(problem, fixed_iterations=2, tolerance=1e-4)
+    assert enough > 10 and few.residual <= 1e-4 and not few.converged
+    assert core.solve(problem, fixed_iterations=enough, tolerance=1e-4).converged
+
+
 def test_nothing_given_is_changed_and_none_is_needed():
     problem = packed(20, 1)
     first = np.ones(40)

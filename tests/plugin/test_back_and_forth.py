@@ -80,6 +80,21 @@ def test_a_loaded_engine_takes_over_what_springs_leave(O, tmp_path):
     assert overlap < rigid[-1].handoverOverlap < 1.5 * overlap and rigid[-1].maxPenetration < 0.05 * overlap
 
 
+def test_springs_of_another_scene_hand_nothing_over(O, tmp_path, capfd):
+    """What a loaded scene has as an overlap that came by itself is told, whatever ran before in the same YADE."""
+    plane.grid(5, 1, (0, 1.05 * RADIUS), (0, 2.05 * RADIUS), plane.ground(), mass=0.05, blocked="xzXYZ")
+    plane.run(400, 1e-3, gravity=(0, -9.81, 0))
+    O.save(str(tmp_path / "rigid.yade"))
+    cd_engine.release()
+    O.engines, O.dt = plane.springs(damping=0.5), 0.2 * math.sqrt(0.05 / 1e4)
+    O.run(10, True)
+    O.load(str(tmp_path / "rigid.yade"))
+    disk = O.bodies[len(O.bodies) - 1]
+    disk.state.pos = disk.state.pos - (0, 0.3 * RADIUS, 0)
+    O.run(2, True)
+    assert O.engines[-1].deepestPenetration > 0.2 * RADIUS and "overlap by" in capfd.readouterr().err
+
+
 def test_no_release_in_the_middle_of_a_run(O):
     """The takeover is prepared where a run begins, so an engine of the run is refused."""
     _, rigid, _, slow = box_of_disks(O)

@@ -59,8 +59,11 @@ CENTRE = dict(rotationAxis=(0, 0, 2), rotateAroundZero=True, zeroPoint=(0, 1, 3)
     (lambda: wrapper.HarmonicMotionEngine(A=(0.3, 0, 0.4), f=(2, 2, 2)), lambda size, away: 2 * math.pi),
     (lambda: wrapper.HarmonicRotationEngine(A=0.5, f=2, rotationAxis=(0, 0, 1)), lambda size, away: 2 * math.pi * size),
     (lambda: wrapper.BicyclePedalEngine(rotationAxis=(0, 0, 1), angularVelocity=5.0, radius=0.7), lambda size, away: 3.5),
-    (lambda: wrapper.CombinedKinematicEngine(comb=[wrapper.TranslationEngine(translationAxis=(1, 0, 0), velocity=4.0)]), lambda size, away: 4),
-], ids=["turns", "spins", "helix", "moves", "shakes", "swings", "pedals", "combined"])
+    (lambda: wrapper.CombinedKinematicEngine(comb=[wrapper.TranslationEngine(translationAxis=(1, 0, 0), velocity=4.0),
+                                                   wrapper.RotationEngine(**CENTRE, angularVelocity=5.0)]), lambda size, away: 4 + 5 * (away + size)),
+    (lambda: wrapper.InterpolatingHelixEngine(**CENTRE, times=[0, 1], angularVelocities=[1, -5], slope=0.4),
+     lambda size, away: 5 * (away + size) + 2),
+], ids=["turns", "spins", "helix", "moves", "shakes", "swings", "pedals", "combined", "interpolated"])
 def test_the_speeds_that_engines_will_give_count(O, engine, speed):
     """Before the first step nothing moves yet."""
     facet = utils.facet([(1, 1, 0), (3, 1, 0), (2, 1.1, 0)])
@@ -74,6 +77,32 @@ def test_the_speeds_that_engines_will_give_count(O, engine, speed):
     drives.dead = True
     with pytest.raises(ValueError, match="nothing moves"):
         cd_engine.timeStep()
+
+
+@pytest.mark.parametrize("velocity", [math.nan, math.inf])
+def test_an_engine_without_a_finite_velocity_is_named(O, velocity):
+    plane.disk((0, 0), 0.01)
+    O.engines = [*cd_engine.engines(gravity=(0, -G, 0)), wrapper.TranslationEngine(translationAxis=(1, 0, 0), velocity=velocity, ids=[0])]
+    with pytest.raises(ValueError, match="TranslationEngine has a velocity that is not finite"):
+        cd_engine.timeStep()
+
+
+def test_a_strain_rate_sets_it(O):
+    """Its plate moves at the rate times the distance of the plates, which a load may raise."""
+    O.bodies.append(utils.aabbWalls([(0, 0, 0), (0.2, 0.3, 0.4)], thickness=0, material=plane.material()))
+    O.bodies.append(utils.sphere((0.1, 0.1, 0.1), 0.01))
+    reset, collider, cd = cd_engine.engines()
+    O.engines = [reset, collider, cd_engine.PlateLoads(goals=(0, 0, -5), rise=(0, 0, 0.5), loading="cosine", stressMask=3), cd]
+    assert cd_engine.timeStep() == pytest.approx(0.25 * 0.01 / (5 * 1.5 * 0.4))
+
+
+def test_dead_engines_do_not_count(O):
+    """Neither their gravity nor their stiffness."""
+    plane.disk((0, 0), 0.01)
+    engines = cd_engine.engines(gravity=(0, -G, 0))
+    dead = cd_engine.ContactDynamics(gravity=(0, -1e-6, 0), stiffness=1e12, dead=True)
+    O.engines = [dead, *engines]
+    assert cd_engine.timeStep() == pytest.approx(0.25 * math.sqrt(0.01 / G))
 
 
 def test_a_body_without_a_place_is_named(O):
@@ -128,13 +157,13 @@ def test_gravity_of_springs_is_found(O):
 
 
 def test_a_stress_on_a_plate_sets_it(O):
-    """As the permanent force that it stands for; a plate that is held counts for nothing, nor does an axis with a strain rate."""
+    """As the permanent force that it stands for; a plate that is held counts for nothing, a slow strain rate little."""
     O.bodies.append(utils.aabbWalls([(0, 0, 0), (0.2, 0.3, 0.4)], thickness=0, material=plane.material()))
     O.bodies.append(utils.sphere((0.1, 0.1, 0.1), 0.01))
     plate = O.bodies[3].state  # the upper one of y, of 0.2 m x 0.4 m
     plate.mass, plate.blockedDOFs = 2, "xzXYZ"
     reset, collider, cd = cd_engine.engines()
-    O.engines = [reset, collider, cd_engine.PlateLoads(goals=(-5e3, -1e3, -9e9), stressMask=3), cd]
+    O.engines = [reset, collider, cd_engine.PlateLoads(goals=(-5e3, -1e3, -1e-3), stressMask=3), cd]
     expected = 0.25 * math.sqrt(0.01 / (1e3 * 0.2 * 0.4 / 2))
     assert cd_engine.timeStep() == pytest.approx(expected)
     O.engines = [reset, collider, cd]

@@ -44,6 +44,16 @@ def test_nor_where_the_boundary_is_slow_beside_gravity(O, method, share):
     assert engine.unconvergedSteps == engine.steps == 21 and engine.status == "no_solution"
 
 
+def test_an_earlier_step_without_a_solution_hides_no_overlap(O, capfd):
+    engine = press(O)
+    assert engine.status == "no_solution"
+    O.bodies.erase(next(b.id for b in O.bodies if b.state.vel[1] == -0.1))
+    for height in (0.01, 0.024):
+        plane.disk((0.3, height), 0.01)
+    O.run(2, True)
+    assert engine.converged and "overlap by 0.006" in capfd.readouterr().err
+
+
 def hexagons(rows, speed, mu, along=0, sides=0, **settings):
     """Rows of disks, each on two, between a floor, two walls that close in at `sides` and a lid that comes down at `speed` and slides at `along`
     [m/s]; the id of the lid, the engine after one step."""

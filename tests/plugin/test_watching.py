@@ -93,6 +93,16 @@ def test_bodies_that_pass_into_each_other(O):
         O.run(5000, True)
 
 
+def test_a_watch_may_have_any_label(O):
+    """Two of them keep their own periods."""
+    thrown(O)
+    O.engines += [cd_engine.watch(), cd_engine.watch(every=300)]
+    O.engines[-1].label = O.engines[-2].label = ""
+    O.dt = 0.02 * 2 / math.sqrt(K / M)
+    O.run(1000, True)
+    assert (O.engines[-2].iterPeriod, O.engines[-1].iterPeriod) == (800, 300)
+
+
 @pytest.mark.parametrize("loses", [True, False])
 def test_speed_without_a_reason(O, loses):
     """A disk may fall as far and as fast as it likes, but not gain speed from nothing."""

@@ -6,13 +6,14 @@ import pytest
 
 def test_a_stopped_loop_has_ended_its_step(O):
     """O.pause() lets O.run return within its 40 ms of waiting, while the rest of the step, which is longer here, still runs."""
+    from cd_engine import failing
     from yade_scripts.running import hooks
     ended = []
 
     def slow():
         time.sleep(0.3)
         ended.append(O.iter)
-    O.engines = [hooks.runner(hooks.stop, iterPeriod=1, initRun=True), hooks.runner(slow, iterPeriod=1, initRun=True)]
+    O.engines = [hooks.runner(failing.stop, iterPeriod=1, initRun=True), hooks.runner(slow, iterPeriod=1, initRun=True)]
     hooks.simulate(10)
     assert ended == [0] and O.iter == 1
 

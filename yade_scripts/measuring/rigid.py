@@ -2,6 +2,7 @@
 from yade import O
 
 import cd_engine
+from cd_engine.step_texts import DEEP
 from yade_scripts import parameters
 from yade_scripts.measuring.maps import INACCURATE, NOT_SOLVED, UNSTABLE, judged
 from yade_scripts.running import bodies, stage
@@ -12,7 +13,6 @@ MASS = bodies.disk_mass(RADIUS, DEFAULTS)  # [kg]
 GRAVITY = 9.81  # [m/s^2]
 COLUMN_STEP = 1e-3  # [s]
 FORCE_ERROR = 0.01  # largest error of a contact force, over the weight above the contact
-DEEP = 0.01  # overlap over the smallest radius beyond which the engine warns
 
 
 def ground(mu):

@@ -25,6 +25,7 @@ if __name__ == "__main__":
 from yade import O, config, utils
 
 import cd_engine
+from cd_engine import failing
 from yade_scripts import commands, parameters, results, tables
 from yade_scripts.errors import ParameterError
 from yade_scripts.results import sealed
@@ -149,7 +150,7 @@ class _Rest:
                   f"unbalanced force {force:.0e} (goal {self.unbalanced:g})", flush=True)
         self.passed = self.passed + 1 if stress < self.stress_error and force < self.unbalanced else 0
         if self.passed >= CHECKS:
-            hooks.stop()
+            failing.stop()
         # A disk without contacts is not damped, and its next impact would disturb the others.
         for body in bodies.disks():
             if not bodies.loaded_contacts(body):

@@ -56,7 +56,7 @@ HISTORY = _table(
     Field("sigma1_goal", "Pa", "sigma1 the loading asks for"),
     Field("sigma2_goal", "Pa", "sigma2 the loading asks for, eq. 1 or 7"),
     Field("wall_work", "J", "work of the wall loads on the sample since the start"),
-    Field("stored_energy", "J", "elastic energy of the contacts; 0 in CD"),
+    Field("stored_energy", "J", "elastic energy of the contacts; 0 for rigid ones"),
     Field("friction_dissipation", "J", "part of dissipated_energy that went into slips; the rest went into dashpots; NaN without md_energies and "
           "where contacts with walls slip under another law than those between disks", methods=("MD",)),
     Field("residual_max", "1", "largest error e of all steps so far", methods=("CD",)),

@@ -1,21 +1,19 @@
 """Calls Python functions from inside YADE's loop, and passes their exceptions on to the caller.
 
-A PyRunner holds a string; an exception or sys.exit in it ends or hangs the process. Here an exception stops the loop and is raised
-again by `simulate`, so that a failed run can still write its file.
+An exception stops the loop and is raised again by `simulate`, so that a failed run can still write its file.
 """
-import sys
 import time
 
 from yade import O
 from yade.wrapper import PyRunner
+
+from cd_engine import failing
 
 # Labels of the engines that only record, check, sum energies, or measure known quantities. The other engines make the simulation.
 SAMPLING, SUMMING, MEASURING, TIMING = OBSERVERS = "sampling", "summing", "measuring", "timing"
 
 _functions = []
 _observing = 0.0  # processor time [s] that samples and measurements have taken since the program started
-_failure = None
-_awaited = False  # whether `simulate` will raise the failure
 
 
 def runner(function, **period):
@@ -49,32 +47,13 @@ def engine(kind):
 
 
 def fire(number):
-    global _failure
     try:
         _functions[number]()
     except Exception as error:
-        _failure = error
-        if not _awaited:  # O.run() at the console
-            print(f"Stopped at step {O.iter}: {error}", file=sys.stderr, flush=True)
-        stop()
-
-
-def stop():
-    """End the loop from within a step, when this step is over.
-
-    O.pause() would let O.run(n, True) return while the step is still running. A following O.reset() would then wait for the step, and the step
-    for Python, for ever.
-    """
-    O.stopAtIter = O.iter + 1
+        failing.fail(error, f"Stopped at step {O.iter}: {error}")
 
 
 def simulate(steps):
     """Make `steps` steps and wait for them. Raise the exception of a hook or an engine."""
-    global _failure, _awaited
-    _failure, _awaited = None, True
-    try:
+    with failing.awaited():
         O.run(steps, True)
-    finally:
-        _awaited = False
-    if _failure is not None:
-        raise _failure

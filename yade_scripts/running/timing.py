@@ -3,7 +3,7 @@ import time
 
 from yade import O
 
-from cd_engine import watching
+from cd_engine import failing, watching
 from yade_scripts import scenes
 from yade_scripts.running import hooks, md, walls
 
@@ -34,7 +34,7 @@ def run(scene, full, *also, without=RECORDING):
         def look():
             if abs(walls.gamma(sides)) > full["collapse_strain"]:
                 clock()
-                hooks.stop()
+                failing.stop()
 
         also += (hooks.runner(look, iterPeriod=scene.every, label=hooks.TIMING),)
     simulation = [engine for engine in O.engines if engine.label not in without]

@@ -58,12 +58,6 @@ Miss<double> missOf(const ContactRow<Space>& c, double compliance, const MotionO
 	return missOf<double>(squaredMiss(p, u, frictionOf(c), compliance), compliance, size, acts);
 }
 
-// |p - P_K(...)|^2; un, ut: relative velocity, with the bias.
-inline double squaredDifference(double pn, double pt, double un, double ut, double mu, double compliance)
-{
-	return squaredMiss(Components<double> { pn, pt }, Components<double> { un, ut }, Friction<double> { mu }, compliance);
-}
-
 // cut() that keeps a NaN and the sign of a zero: a NaN tells that a solution has failed.
 inline Components<double> cutKeeping(const Components<double>& z, double mu)
 {

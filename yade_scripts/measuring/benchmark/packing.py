@@ -14,6 +14,7 @@ from yade import O
 from yade.wrapper import FrictMat
 
 import cd_engine
+from cd_engine import failing
 from yade_scripts.running import bodies, hooks, walls
 from yade_scripts.measuring.benchmark.jammed import jammed
 
@@ -66,7 +67,7 @@ def come_to_rest(unit):
 
     def watch():
         if largest_displacement() < REST:
-            hooks.stop()
+            failing.stop()
 
     load()
     O.dt = 0.01 * unit
