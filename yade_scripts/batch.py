@@ -87,7 +87,7 @@ def work_off(jobs, at_once, ended=lambda path: None, hours=math.inf):
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(job.path.parent))
         elif job.log.exists():  # what a row sets in vain would look like a result of its own
             for line in job.log.read_text(encoding="utf-8", errors="replace").splitlines():
-                if line.startswith("run: ") and "has no effect in the scene" in line:
+                if line.startswith("run: ") and plausible.IN_VAIN in line:
                     print(f"batch: {job.path.stem}: {line.removeprefix('run: ')}", file=sys.stderr)
         if not job.late:
             ended(job.path)

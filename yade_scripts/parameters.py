@@ -14,6 +14,7 @@ import hashlib
 import json
 import math
 
+import cd_engine
 from yade_scripts import commands, declared, scenes
 from yade_scripts.errors import ParameterError
 from yade_scripts.parameter import Parameter
@@ -25,7 +26,7 @@ MEANING = 2
 
 PLANAR_SOLVERS = ("newton",)  # of method_cd
 
-SPRING_TOLERANCE = 0.1  # default of `tolerance` where cd_contacts = springs, as in cd_engine.engines
+SPRING_TOLERANCE = cd_engine.SPRING_TOLERANCES["bodies"]  # default of `tolerance` where cd_contacts = springs
 
 REGISTRY = {p.name: p for p in (
     Parameter("scene", "biaxial", "1", "what is simulated", choices=scenes.names()),

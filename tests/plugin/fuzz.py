@@ -15,6 +15,7 @@ import sys
 import tempfile
 import traceback
 
+from cd_engine import failing
 from tests import waking
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -60,11 +61,10 @@ class Run:
 
     def after(self):
         import yade
-        from yade_scripts.running import hooks
         self.watch.after()
         if self.stop_at is not None and yade.O.iter >= self.stop_at:
             self.stop_at = None
-            hooks.stop()
+            failing.stop()
 
     def after_load(self):
         """Restore what YADE does not save: permanent forces."""

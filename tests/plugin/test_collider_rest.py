@@ -117,7 +117,7 @@ def test_it_sorts_anew_where_many_bodies_have_moved(O, count, anew):
     plane.engine()
     O.engines = [*O.engines[:2], wrapper.RotationEngine(ids=ring, rotationAxis=(0, 0, 1), rotateAroundZero=True, angularVelocity=1.0), O.engines[-1]]
     O.dt = 1e-2
-    O.run(50, True)
+    O.run(60, True)
     assert O.engines[1].doSort == anew
     O.run(1, True)
     assert not O.engines[1].doSort

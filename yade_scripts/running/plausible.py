@@ -18,13 +18,14 @@ USUAL = {
 }
 RADIANS = 1.6  # a slope below this value, but not 0, may be in radians
 BLOW = 3.0  # smallest period, in units of the time in which P0 moves a grain by its size; below it inertia carries the load. Studies use 3.4 and more
+IN_VAIN = "has no effect in the scene"  # batch.py finds these warnings in the logs of runs
 
 
 def doubts(full):
     """Return warnings about a full row: sentences, each with name, value and remedy."""
     found = [f"{name} = {full[name]:g} {parameters.REGISTRY[name].unit} is unusual (usual: {least:g} to {most:g}): {remedy}"
              for name, (least, most, remedy) in USUAL.items() if full[name] and not least <= full[name] <= most]
-    if full["scene"] in ("incline", "groove") and 0 < abs(full["slope"]) < RADIANS:
+    if 0 < abs(full["slope"]) < RADIANS:
         found.append(f"slope = {full['slope']:g} degree is nearly flat: is it in radians? The unit is degree")
     if full["scene"] == "biaxial" and full["loading"] != "ramp":
         grain = 2 * full["radius_mean"] * math.sqrt(full["density"] / parameters.pressure(full))
@@ -63,7 +64,7 @@ class Watched(dict):
 def ignored(full):
     """Return warnings about values of a Watched row that nothing has read in a run of its method, and that differ from the default of the scene."""
     usual = parameters.defaults(full["scene"])
-    return [f"{name} = {value} has no effect in the scene {full['scene']}" for name, value in parameters.read_by_method(full).items()
+    return [f"{name} = {value} {IN_VAIN} {full['scene']}" for name, value in parameters.read_by_method(full).items()
             if name not in full.read and value != usual[name]]
 
 
