@@ -20,7 +20,7 @@ export HOME := $(or $(HOME),/tmp)
 on       = $(filter-out 0 no,$(1))
 extent   = $(if $(call on,$(FULL)),--full,--quick)
 site     = $(shell $(PYTHON) -m site --user-site)
-cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/*/*/*.[ch]pp cd_engine/*/*.inl cd_engine/*/*/*.inl tests/*/*.[ch]pp)
+cpp      = $(wildcard cd_engine/*/*.[ch]pp cd_engine/*/*/*.[ch]pp cd_engine/core/*/*.inl tests/*/*.[ch]pp)
 packages = cd_engine yade_scripts analysis tests
 # What plain YADE scripts find defined.
 yade     = O,box,sphere,readParamsFromTable,runningInBatch,kineticEnergy,PWaveTimeStep,Quaternion,FrictMat,Sphere,ForceResetter,InsertionSortCollider,$\

@@ -12,9 +12,10 @@ def timeStep(gravity=None, speed=None, share=None):
     """Propose O.dt [s] for ContactDynamics: share * min(R / v, sqrt(R / g), sqrt(R / a)), or less with a stiffness.
 
     R [m]      radius of the smallest disk that may move
-    g [m/s^2]  length of `gravity`; by default that of the first engine of O.engines that has one: set O.engines first
+    g [m/s^2]  length of `gravity`; by default that of the first live engine of O.engines that has one: set O.engines first
     v [m/s]    highest speed to expect: `speed`, or by default sqrt(v0^2 + 2 g h). v0 is the highest speed present or that an engine gives a boundary
-               (RotationEngine and its like); of a body that turns, that of its farthest point, because friction can turn spin into motion.
+               (RotationEngine and its like, a strain rate of PlateLoads); of a body that turns, that of its farthest point, because friction can
+               turn spin into motion.
                h [m] is the height from the highest disk down to the lowest body; for a Box, down to the lowest corner of its upper faces, where a
                disk that slides down leaves it
     a [m/s^2]  largest acceleration that a permanent force (O.forces.setPermF), or a stress of PlateLoads, gives a body that nothing holds; 0 if

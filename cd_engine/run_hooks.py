@@ -92,7 +92,9 @@ def install(plugin):
                 pause(self)
             originals[name](self, *arguments, **keywords)
             watching.forget()
-            checks.clear()  # of another scene, of which nothing has run
+            if name == "resetAllScenes":
+                checks.clear()
+            checks.pop(self.thisScene, None)  # the scene is another one, of which nothing has run
         return replace
 
     engines = type(O).engines

@@ -3,8 +3,7 @@ CD_ATTRIBUTE(Vector3r, gravity, Vector3r::Zero(), setting, "Acceleration acting 
 CD_ATTRIBUTE(double, tolerance, 1e-6, Access { Access::set, 0, 1, true },
     "Largest error of a solved step [1]: of *residual*, of the same error weighted by W_nn, and of *bodyError*, which is relative to what "
     "acts on a single body. If *flowTolerance* is larger, this is for steps in which nothing slides or collides. Assigning it sets "
-    "*flowTolerance* to 0. With a *stiffness* it is relative to the motion of the step: to sum |p u|/sum W_nn |p|^2 of the step before, so that "
-    "small "
+    "*flowTolerance* to 0. With a *stiffness* it is relative to the motion of the step: to sum |p u|/sum W_nn |p|^2 of the step before, so that small "
     "changes of the load are solved as exactly as large ones.")
 CD_ATTRIBUTE(double, flowTolerance, 0, within(0, 1),
     "If larger than *tolerance*: tolerance of steps after bodies have flowed or collided [1]; after slow motion the engine takes a tenth of it, a "
@@ -26,18 +25,14 @@ CD_ATTRIBUTE(double, restitution, 0, within(0, 1),
     "Coefficient of normal restitution, by Moreau's law of impact [1]; 0 for quasi-static work. If an island of contacts with friction would "
     "gain energy, the engine lowers the coefficient there for this step; if the step has no solution with it, it takes 0 there.")
 CD_ATTRIBUTE(Matches, en, {}, setting,
-    "Coefficient of normal restitution by pair of materials [1], as a MatchMaker of ids in O.materials, like en of "
-    "Ip2_FrictMat_FrictMat_MindlinPhys: "
-    "MatchMaker(matches=((0, 1, 0.8), (1, 1, 0.3))). A pair that matches nothing has *restitution*, unless the algo of the MatchMaker is val or "
-    "zero. "
+    "Coefficient of normal restitution by pair of materials [1], as a MatchMaker of ids in O.materials, like en of Ip2_FrictMat_FrictMat_MindlinPhys: "
+    "MatchMaker(matches=((0, 1, 0.8), (1, 1, 0.3))). A pair that matches nothing has *restitution*, unless the algo of the MatchMaker is val or zero. "
     "A number holds for all pairs. None: *restitution* for all.")
 CD_ATTRIBUTE(Matches, frictAngle, {}, setting,
-    "Friction angle by pair of materials [rad], as frictAngle of Ip2_FrictMat_FrictMat_FrictPhys: a MatchMaker of ids in O.materials, whose algo "
-    "(min, "
+    "Friction angle by pair of materials [rad], as frictAngle of Ip2_FrictMat_FrictMat_FrictPhys: a MatchMaker of ids in O.materials, whose algo (min, "
     "max, avg, harmAvg, val) holds for pairs that match nothing. A number holds for all pairs. None: the smaller angle of the two.")
 CD_ATTRIBUTE(int, mask, 0, within(0, most),
-    "As NewtonIntegrator.mask: if positive, a boundary whose groupMask shares no bit with it stays where it is, whatever its velocity, and its "
-    "surface "
+    "As NewtonIntegrator.mask: if positive, a boundary whose groupMask shares no bit with it stays where it is, whatever its velocity, and its surface "
     "moves along itself: a belt. Each contact feels the part of state.vel (and of state.angVel about the centre) along the surface there [1].")
 CD_ATTRIBUTE(double, stiffness, INFINITY, (Access { Access::set, 0, INFINITY, true }),
     "Normal stiffness k_n of every contact [N/m]; inf: rigid. The springs are those of Molecular Dynamics, solved implicitly at the end of the step "
@@ -46,22 +41,19 @@ CD_ATTRIBUTE(double, stiffness, INFINITY, (Access { Access::set, 0, INFINITY, tr
 CD_ATTRIBUTE(double, tangentialStiffness, INFINITY, (Access { Access::set, 0, INFINITY }),
     "Tangential stiffness k_t [N/m] of contacts that have a *stiffness*; 0: no friction; inf: friction without a spring.")
 CD_ATTRIBUTE(bool, materialStiffness, false, setting,
-    "Take k_n and k_t of each contact from the materials (young, poisson) and radii, as YADE's Ip2_FrictMat_FrictMat_FrictPhys does; a boundary "
-    "counts "
-    "as a disk of the other's radius. It takes the place of *stiffness* and *tangentialStiffness*.")
+    "Take k_n and k_t of each contact from the materials (young, poisson) and radii, as YADE's Ip2_FrictMat_FrictMat_FrictPhys does; a boundary counts "
+    "as a disk of the other's radius, a Facet of twice this radius. It takes the place of *stiffness* and *tangentialStiffness*.")
 CD_ATTRIBUTE(double, dampingRatio, 0, within(0, 10),
-    "Normal dashpot of contacts that have a stiffness, as a share of critical damping [1]: c = 2 dampingRatio sqrt(k_n m), 1/m = 1/m1 + 1/m2 (betan "
-    "of "
-    "YADE's FrictViscoMat). It never pulls. A restitution e needs -ln(e)/sqrt(pi^2 + ln(e)^2) and steps far below sqrt(m/k_n); the scheme itself "
-    "damps, "
+    "Normal dashpot of contacts that have a stiffness, as a share of critical damping [1]: c = 2 dampingRatio sqrt(k_n m), 1/m = 1/m1 + 1/m2 (betan of "
+    "YADE's FrictViscoMat). It never pulls. A restitution e needs -ln(e)/sqrt(pi^2 + ln(e)^2) and steps far below sqrt(m/k_n); the scheme itself damps, "
     "too.")
 CD_ATTRIBUTE(double, gapCorrection, 0, within(0, 1),
     "Share of an overlap, beyond the reference one and *allowedOverlap*, that a step removes [1]; 0: overlaps are only kept from growing. It moves "
     "the bodies, after the step, and gives them no velocity (a split impulse). A pile that grows by this gains potential energy.")
 CD_ATTRIBUTE(bool, gapVelocity, false, setting,
     "Let *gapCorrection* act on the velocities, which the bodies keep, as in studies of contact dynamics with few *fixedIterations* (Unger and "
-    "Kertesz 2002). The energy that this adds is subtracted from *dissipatedEnergy*. With few sweeps set *warmStart* False, too, since "
-    "impulses that add up from step to step overshoot.")
+    "Kertesz 2002). The energy that this adds is subtracted from *dissipatedEnergy*. With few sweeps set *warmStart* False, too: impulses "
+    "that add up from step to step overshoot.")
 CD_ATTRIBUTE(double, allowedOverlap, 1e-3, within(0, 1),
     "Overlap that *gapCorrection* leaves, as a share of the smaller disk's radius [1]. With 0, a packing never comes to rest: the "
     "corrections of its contacts contradict each other and keep it moving.")
@@ -98,8 +90,7 @@ CD_ATTRIBUTE(double, bodyError, 0, result,
     "weighted by mass (cd_engine/core/error/residual.hpp has the formula).")
 CD_ATTRIBUTE(int, worstBody, -1, result, "Id of the body whose velocity may have the largest error; -1: none.")
 CD_ATTRIBUTE(bool, inSpace, false, result,
-    "Whether the scene is solved in space. It is if a body can leave every plane (state.blockedDOFs), from the first step with such a body on; else "
-    "the "
+    "Whether the scene is solved in space. It is if a body can leave every plane (state.blockedDOFs), from the first step with such a body on; else the "
     "scene is solved in the plane, in which its bodies are kept, which costs less than half.");
 CD_ATTRIBUTE(std::vector<int>, unsolvableContact, {}, result,
     "Ids of the two bodies whose contact is the strongest sign that there is no solution, if *status* is no_solution or a doubt remains. "
@@ -151,8 +142,8 @@ CD_ATTRIBUTE(double, dissipatedEnergy, 0, result,
     "'kinetic' and 'gravWork'.")
 CD_ATTRIBUTE(double, storedEnergy, 0, result,
     "Energy of the springs of contacts with a stiffness after the last step [J]; with O.trackEnergy also O.energy['elastPotential'].")
-CD_ATTRIBUTE(
-    double, dashpotEnergy, 0, result, "Energy lost in their dashpots (*dampingRatio*) since the engine was made [J]; also O.energy['viscDissip'].")
+CD_ATTRIBUTE(double, dashpotEnergy, 0, result,
+    "Energy lost in their dashpots (*dampingRatio*) since the engine was made [J]; also O.energy['viscDissip'].")
 CD_ATTRIBUTE(double, dampedEnergy, 0, result,
     "Energy lost in the time step since the engine was made [J]: backward Euler damps contacts with a stiffness, a contact of frequency omega by the "
     "factor 1/sqrt(1 + (omega O.dt)^2) a step. Also O.energy['numDissip'].")
