@@ -2,7 +2,7 @@
 import numpy as np
 
 from analysis import flow_costs
-from analysis.flow_costs import COARSE, COARSER, FINE, HARDER, MD, MIDDLE, QUANTITY, STIFF, draw, rows_of, summarize
+from analysis.flow_costs import COARSE, COARSER, FINE, LIGHT, MD, QUANTITY, draw, rows_of, summarize
 
 __all__ = ["draw", "summarize"]
 
@@ -14,9 +14,10 @@ MANY = 5000
 FINER = FINE | {"cd_dt": 5e-4}
 SEEDS = (1, 2, 3)
 # Springs of 2e6 N/m are left out: their disks overlap by more than a tenth of a radius.
-ROWS = {"quick": rows_of("filling", 1000, [COARSER, COARSE, MIDDLE], 1),
-        "full": [row for seed in SEEDS for scene in QUANTITY
-                 for row in rows_of(scene, MANY, [FINER, FINE, COARSER, COARSE, MIDDLE, HARDER, STIFF], seed)]}
+COMPARED = [FINER, FINE, COARSER, COARSE, *(FINE | {"fixed_iterations": sweeps} for sweeps in (10, 20)),
+            *(LIGHT | {"kn": kn} for kn in (5e6, 1e7, 2e7))]
+ROWS = {"quick": rows_of("filling", 1000, [COARSER, COARSE, LIGHT | {"kn": 5e6}], 1),
+        "full": [row for seed in SEEDS for scene in QUANTITY for row in rows_of(scene, MANY, COMPARED, seed)]}
 
 
 def quantities(table):

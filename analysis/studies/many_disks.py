@@ -23,9 +23,10 @@ COLLAPSE = dict(scene="collapse", column_aspect=2.0, radius_spread=0.2)
 # sweeps have to be enough.
 COARSE, MEDIUM, FINE = (dict(method="CD", max_iterations=20000) | dict(cd_dt=step, tolerance=tolerance)
                         for step, tolerance in ((2e-3, 1e-2), (1e-3, 1e-2), (1e-3, 1e-3)))
-SOFT, STIFF = (springs | {"md_energies": True} for springs in (flow_costs.SOFT, flow_costs.STIFF))
+SOFT, STIFF = (flow_costs.LIGHT | {"kn": kn, "md_energies": True} for kn in (2e6, 2e7))
 MANY, FEWER = 50000, 5000
-# Springs of 2e7 N/m take 700 to 1600 s for a second. So they get a window from the start; longer runs of rigid contacts have a sample at its end.
+# Springs of 2e7 N/m take hundreds of seconds for a second. So they get a window from the start, at whose end longer runs of rigid contacts have a
+# sample.
 WINDOW = 0.2  # s
 SHORT = dict(disks=MANY, period=WINDOW)
 EMPTIED = dict(disks=MANY, period=1.6, records_per_cycle=32)  # until more than half of the disks have left
