@@ -5,11 +5,11 @@ Inside YADE (a script, a batch job, the console):
     import cd_engine
     O.engines = cd_engine.engines(gravity=(0, -9.81, 0))
 
-`ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Two further engines are
-for the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law, `DashpotWork` sums
-the energy that their dashpots dissipate. `PlateLoads` loads the plates around a sample, for both methods. Import this module before `O.load` of a
-scene that contains one of the four. `watch` is for both methods, too: an engine that ends a run which is no longer physical. `picture` and `film`
-draw scenes of both.
+`ContactDynamics` is a C++ class registered in YADE; `help(cd_engine.ContactDynamics)` shows its attributes, units and ranges. Three further engines
+are for the springs of Molecular Dynamics and stand right after InteractionLoop: `PathIndependentShear` replaces their tangential law,
+`TangentialDashpots` adds dashpots to it, `DashpotWork` sums the energy that their normal dashpots dissipate. `PlateLoads` loads the plates around a
+sample, for both methods. Import this module before `O.load` of a scene that contains one of them. `watch` is for both methods, too: an engine that
+ends a run which is no longer physical. `picture` and `film` draw scenes of both.
 """
 import atexit
 import importlib
@@ -21,7 +21,7 @@ from .pictures import film, picture
 from .proposed_step import timeStep
 from .watching import Unstable, watch
 
-ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear", "PlateLoads")
+ENGINES = ("ContactDynamics", "DashpotWork", "PathIndependentShear", "PlateLoads", "TangentialDashpots")
 __all__ = [*ENGINES, "TESTED", "Unstable", "engines", "film", "methods", "picture", "release", "timeStep", "watch"]
 
 # For the motion of single bodies, or for means: the tolerance of flows of rigid bodies, and that of contacts with a stiffness, which is relative to

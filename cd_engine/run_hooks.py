@@ -132,7 +132,7 @@ class _EngineCheck:
         live = [engine for engine in self.O.engines if not engine.dead]
         names = [type(engine).__name__ for engine in live]
         for slaves in (str(engine.slaves) for name, engine in zip(names, live) if name == "ParallelEngine"):
-            for inside in ("ContactDynamics", "PathIndependentShear", "DashpotWork", "PlateLoads"):
+            for inside in ("ContactDynamics", "PathIndependentShear", "TangentialDashpots", "DashpotWork", "PlateLoads"):
                 if inside in slaves:
                     raise RuntimeError(f"{inside} stands in a ParallelEngine; there any error that it raises ends YADE. Put it into O.engines itself")
         if "ContactDynamics" in names:

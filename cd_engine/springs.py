@@ -93,6 +93,7 @@ class Springs:
         from yade import O
         self.bodies, self.periodic, found = bodies, O.periodic, []
         values = {}  # by the class of IPhys: which of these attributes it has
+        added = sum(engine.ratio for engine in O.engines if type(engine).__name__ == "TangentialDashpots" and not engine.dead)
         for contact in O.interactions:
             if not contact.isReal:
                 continue
@@ -105,9 +106,10 @@ class Springs:
                 continue
             kn, n, p = phys.kn, geom.normal, geom.contactPoint
             sticks = has[1] and not (has[4] and phys.tangensOfFrictionAngle == 0)
-            found.append((contact.id1, contact.id2, kn, phys.ks if sticks else 0.0, phys.cn if has[2] else 0.0,
-                          phys.cs if has[3] and sticks else 0.0, n[0], n[1], n[2], geom.penetrationDepth, phys.shearForce.squaredNorm(),
-                          p[0], p[1], p[2]))
+            cn = phys.cn if has[2] else 0.0
+            cs = phys.cs if has[3] else added * cn
+            found.append((contact.id1, contact.id2, kn, phys.ks if sticks else 0.0, cn, cs if sticks else 0.0, n[0], n[1], n[2],
+                          geom.penetrationDepth, phys.shearForce.squaredNorm(), p[0], p[1], p[2]))
         table = np.array(found, float).reshape(-1, 14)
         self.ends = bodies.row[table[:, :2].astype(int)]
         self.kn, self.ks, self.cn, self.cs = table[:, 2:6].T

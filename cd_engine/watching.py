@@ -32,7 +32,7 @@ MOVED = 1e-12  # m: a boundary that moves further does work
 
 # These engines do no work, or none but that of contacts that dissipate. Others may: what they add is unknown, so the energy is not checked.
 PASSIVE = {"ForceResetter", "InsertionSortCollider", "InteractionLoop", "NewtonIntegrator", "ContactDynamics", "DashpotWork", "PathIndependentShear",
-           "GlobalStiffnessTimeStepper", "VTKRecorder", "SnapshotEngine", "ForceRecorder", "TorqueRecorder"}
+           "TangentialDashpots", "GlobalStiffnessTimeStepper", "VTKRecorder", "SnapshotEngine", "ForceRecorder", "TorqueRecorder"}
 REPULSIVE = {"Law2_ScGeom_FrictPhys_CundallStrack", "Law2_ScGeom_FrictViscoPhys_CundallStrackVisco", "Law2_ScGeom_ViscElPhys_Basic"}
 
 

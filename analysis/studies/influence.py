@@ -17,12 +17,13 @@ PHYSICAL = (dict(kt_over_kn=0.1), dict(kt_over_kn=0.25), dict(kt_over_kn=1.0), d
             dict(damping_factor=0.2), dict(damping_factor=4.0, md_dt_factor=0.08),
             dict(radius_spread=0.1), dict(radius_spread=0.5), dict(wall_friction=0.1), dict(preparation_friction=0.02),
             dict(preparation_friction=0.1),
-            dict(wall_mass_ratio=20.0), dict(wall_mass_ratio=200.0), dict(md_walls="servo"))
+            dict(tangential_damping=1.0), dict(wall_mass_ratio=20.0), dict(wall_mass_ratio=200.0), dict(md_walls="servo"))
 NUMERICAL = (dict(period=0.25), dict(period=1.0), dict(period=2.0), dict(md_dt_factor=0.1), dict(md_dt_factor=0.2))
 SEEDS = range(1, 7)
 # The settings in the words of the figure.
 WORDS = {"kt_over_kn": r"stiffness ratio $k_t/k_n$", "beta_n": r"damping ratio $\beta_n$, also in the preparation",
-         "damping_factor": "damping in the cycles, factor", "radius_spread": "spread of the radii",
+         "damping_factor": "damping in the cycles, factor", "tangential_damping": "tangential dashpot, over the normal one",
+         "radius_spread": "spread of the radii",
          "preparation_friction": "friction in the preparation", "wall_mass_ratio": "mass of a wall over that of a disk", "md_walls": "walls moved by",
          "period": "period [s]", "md_dt_factor": r"time step $dt/\sqrt{m/k_n}$"}
 ROWS = {"quick": [BASE | change for change in ({}, dict(kt_over_kn=0.1), dict(preparation_friction=0.1))],
@@ -94,8 +95,9 @@ def quantities(table):
     rows = table.set_index("change")
     dampings, tangential = (rows.loc[list(changes)] for changes in (
         ("damping_factor = 0.2", "damping_factor = 4.0, md_dt_factor = 0.08"), ("kt_over_kn = 0.25", "kt_over_kn = 1.0")))
-    loose, heavy, servo, slow, third = (rows.loc[change] for change in (
-        "preparation_friction = 0.1", "wall_mass_ratio = 200.0", "md_walls = servo", "period = 2.0", "md_dt_factor = 0.1"))
+    loose, heavy, servo, slow, third, dashpot = (rows.loc[change] for change in (
+        "preparation_friction = 0.1", "wall_mass_ratio = 200.0", "md_walls = servo", "period = 2.0", "md_dt_factor = 0.1",
+        "tangential_damping = 1.0"))
     radii = rows.loc[["radius_spread = 0.1", "radius_spread = 0.5"]]
     calm = rows.loc[["beta_n = 0.02", "beta_n = 0.4, md_dt_factor = 0.08"]]
     low, high, late_low, late_high = "least ratio", "largest ratio", "least rate ratio", "largest rate ratio"

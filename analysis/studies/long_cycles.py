@@ -28,7 +28,8 @@ RIGID_ROW = fig3.RIGID | LOAD
 CHECK = {0.5: 1000, 2.0: 100}  # cycles of MD by period [s], in the study of a thousand cycles
 SERVO_COUNT = 300
 CHECKED = SOFT | SELDOM | dict(seed=1, cycles=2 * FEWER)  # the packing whose rate stays the same from cycle 1001 on
-FINER, HALF = dict(cd_dt=PERIODS[0] / SHARE, tolerance=0.01), dict(cd_dt=PERIODS[0] / SHARE / 2)  # what the late rates owe to tolerance and step
+USUAL, FINER = 0.1, 0.01  # tolerance
+CHECKS = ((1, FINER), (2, USUAL))  # what the late rates owe to tolerance and step: in how many parts a step is divided, and the tolerance
 NO_SLIP = dict(friction=1.0, pressure_ratio=6e-3, period=2.0)  # where McNamara et al. (2008) see ratcheting without sliding
 NO_SLIP_COUNT, NO_SLIP_CHECK = 300, 100  # cycles by springs in Contact Dynamics and by MD, whose law causes it
 NO_SLIP_SEED = 2  # of the packing whose rate is the largest, for the same checks
@@ -36,12 +37,13 @@ ROWS = {"quick": [SOFT | dict(cd_dt=PERIODS[0] / SHARE, cycles=40, seed=1), RIGI
         "full": [row for period in PERIODS
                  for row in product(**SOFT | SELDOM | dict(period=period, cd_dt=period / SHARE, cycles=COUNT, seed=SEEDS))]
         + [RIGID_ROW | SELDOM | dict(cycles=COUNT, seed=SEEDS[0])] + product(**RIGID_ROW | SELDOM, cycles=FEWER, seed=SEEDS[1:])
-        + [CHECKED | FINER, CHECKED | HALF, SOFT | SLOWEST | dict(seed=SEEDS[0])]
+        + [CHECKED | dict(period=period, cd_dt=period / SHARE / parts, tolerance=tolerance) for period in PERIODS for parts, tolerance in CHECKS]
+        + [SOFT | SLOWEST | dict(seed=SEEDS[0])]
         + product(**SERVO, cycles=SERVO_COUNT, seed=SEEDS)
         + product(**SOFT | NO_SLIP | dict(cd_dt=2.0 / SHARE), cycles=NO_SLIP_COUNT, seed=SEEDS)
         + [fig3.SPRINGS | LOAD | NO_SLIP | dict(cycles=NO_SLIP_CHECK, seed=NO_SLIP_SEED)]
         + [SOFT | NO_SLIP | dict(cycles=NO_SLIP_COUNT, seed=NO_SLIP_SEED) | change
-           for change in (dict(cd_dt=2.0 / SHARE, tolerance=0.01), dict(cd_dt=1.0 / SHARE))]}
+           for change in (dict(cd_dt=2.0 / SHARE, tolerance=FINER), dict(cd_dt=1.0 / SHARE))]}
 EDGES = (0, 1, 2, 5, 10, 20, 50, 100, 200, 300, 500, 750, 1000, 1500, 2000, 2500, 3000)  # last cycles of the windows
 
 
@@ -119,7 +121,8 @@ STANDING = 500  # cycles after which the rates are compared
 
 def usual_step(row):
     """Return whether a run has the usual step and tolerance, and the usual friction."""
-    usual = row["method"] == "MD" or row["cd_contacts"] == "rigid" or (row["tolerance"] == 10 * FINER["tolerance"] and row["cd_dt"] != HALF["cd_dt"])
+    halved = row["period"] in PERIODS and row["cd_dt"] < 0.9 * row["period"] / SHARE
+    usual = row["method"] == "MD" or row["cd_contacts"] == "rigid" or (row["tolerance"] == USUAL and not halved)
     return usual and row["friction"] != NO_SLIP["friction"]
 
 
@@ -154,17 +157,17 @@ def quantities(table):
     strain = soft[soft.period.isin(PERIODS)].set_index(["period", "packing", "to cycle"])["|gamma|"]
     share = strain.xs(STANDING, level="to cycle") / strain.xs(COUNT, level="to cycle")
     glued, checked = table[table.friction == NO_SLIP["friction"]], table[(table.friction < 1) & (table.packing == CHECKED["seed"])]
-    unslipped = {seed: mean_rate(rows, 20, NO_SLIP_COUNT) for seed, rows in of_step(glued, 2.0 / SHARE, 0.1).groupby("packing")}
+    unslipped = {seed: mean_rate(rows, 20, NO_SLIP_COUNT) for seed, rows in of_step(glued, 2.0 / SHARE, USUAL).groupby("packing")}
     glued_rates, glued_error = pandas.Series({seed: rate for seed, (rate, _) in unslipped.items()}), unslipped[NO_SLIP_SEED][1]
     same = glued[glued.packing == NO_SLIP_SEED]
-    glued_checks = [mean_rate(of_step(same, *how), 20, NO_SLIP_COUNT) for how in ((2.0 / SHARE, 0.01), (1.0 / SHARE, 0.1))]
+    glued_checks = [mean_rate(of_step(same, *how), 20, NO_SLIP_COUNT) for how in ((2.0 / SHARE, FINER), (1.0 / SHARE, USUAL))]
     glued_md = mean_rate(same[same.medium == MD], 20, NO_SLIP_CHECK)
-    checks = [mean_rate(of_step(checked[checked.period == PERIODS[0]], *how), FEWER, 2 * FEWER) for how in (
-        (PERIODS[0] / SHARE, 0.1), (PERIODS[0] / SHARE, 0.01), (PERIODS[0] / SHARE / 2, 0.1))]
+    checks = {period: [mean_rate(of_step(checked[checked.period == period], period / SHARE / parts, tolerance), FEWER, 2 * FEWER)
+                       for parts, tolerance in ((1, USUAL), *CHECKS)] for period in PERIODS}
     steady = {period: mean_rate(soft[(soft.period == period) & (soft.packing == CHECKED["seed"])], FEWER, COUNT) for period in PERIODS}
     creep = rigid[(rigid.packing == SEEDS[0]) & (rigid["from cycle"] > STANDING)]
     assert (creep.rate < 0).all()
-    assert abs(glued_checks[0][0]) < 0.3 * abs(glued_rates[NO_SLIP_SEED]) and checks[1][0] < 0.5 * checks[0][0]
+    assert abs(glued_checks[0][0]) < 0.3 * abs(glued_rates[NO_SLIP_SEED]) and checks[0.5][1][0] < 0.5 * checks[0.5][0][0]
     assert last["in cycle"].size == 6 and set(soft.outcome) == {"completed"}
     assert late.rate.abs().max() < soft[soft["to cycle"] <= 50].rate.min()
     return locals() | {name: globals()[name] for name in (

@@ -52,10 +52,10 @@ def test_a_collapse_is_a_result(yade60):
 
 
 @pytest.mark.parametrize("walls", [dict(md_load_every=1), dict(md_walls="force")])
-@pytest.mark.parametrize("law", ["standard", "path_independent"])
-def test_energy_balance_of_springs_closes(yade60, law, walls):
+@pytest.mark.parametrize("law, dashpots", [("standard", 0.0), ("path_independent", 0.0), ("standard", 1.0), ("path_independent", 1.0)])
+def test_energy_balance_of_springs_closes(yade60, law, dashpots, walls):
     """Work of the walls = stored + kinetic + friction + dashpots, each summed by itself, to a thousandth of what is dissipated."""
-    file = yade60.run(method="MD", loading="cosine", period=1, tangential_law=law, **walls)
+    file = yade60.run(method="MD", loading="cosine", period=1, tangential_law=law, tangential_damping=dashpots, **walls)
     history = {name: values[:] for name, values in file["history"].items()}
     gone = history["dissipated_energy"]
     missing = history["wall_work"] - gone - sum(history[name] - history[name][0] for name in ("kinetic_energy", "stored_energy"))

@@ -1,7 +1,8 @@
 """Molecular Dynamics: YADE's Cundall-Strack engines with the paper's contact law.
 
 Normal: eq. 5, R = k_n delta - gamma d(delta)/dt, not clipped (a parting contact may pull), gamma = 2 beta_n sqrt(k_n m_eff).
-Tangential: eq. 6 and the Coulomb condition, without eq. 6's dashpot, which YADE's viscous law does not have. Three laws between disks:
+Tangential: eq. 6 and the Coulomb condition; eq. 6's dashpot, which YADE's viscous law does not have, if tangential_damping is not 0
+(cd_engine.TangentialDashpots). Three laws between disks:
     standard           Cundall-Strack in YADE: the stretch takes the relative velocity at the contact point, arms R_i - delta/2
     avoid_ratcheting   YADE's avoidGranularRatcheting: arms R_i and (R1 + R2)/d in the stretch, forces and torques as before
     path_independent   McNamara et al. 2008: the stretch as an exact differential, and its forces (cd_engine.PathIndependentShear)
@@ -89,7 +90,10 @@ def set_engines(full, scene, load=None):
     else:
         scene.load = walls.Load()
         loading = [cd_engine.PlateLoads(**load), observer]
-    engines = contact_engines(full, full["tangential_law"]) + [cd_engine.DashpotWork(label=hooks.SUMMING)] * full["md_energies"]
+    engines = contact_engines(full, full["tangential_law"])
+    if full["tangential_damping"]:
+        engines.append(cd_engine.TangentialDashpots(ratio=full["tangential_damping"]))
+    engines += [cd_engine.DashpotWork(label=hooks.SUMMING)] * full["md_energies"]
     O.engines = engines + loading + [integrator(full)]
     bind(full, scene)
 

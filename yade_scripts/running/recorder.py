@@ -159,7 +159,7 @@ class Recorder:
         if not self.full["md_energies"]:
             return {"stored_energy": stored, "dissipated_energy": math.nan, "friction_dissipation": math.nan}
         friction = md.friction_dissipation(self.full, self.scene.load is not None)
-        gone = friction + hooks.engine("DashpotWork").work
+        gone = friction + sum(dashpots.work for dashpots in map(hooks.engine, ("DashpotWork", "TangentialDashpots")) if dashpots)
         if math.isnan(friction):
             weights = self.full["gravity"] * total(b.state.mass * b.state.pos[1] for b in bodies.disks())
             held = stored + row["kinetic_energy"] + weights - row["wall_work"]

@@ -1,5 +1,4 @@
 // What the normal dashpots of Molecular Dynamics dissipate, which YADE's law functor does not sum.
-#include "../kind.hpp"
 #include "spring_engines.hpp"
 
 namespace cd_engine {
@@ -23,25 +22,11 @@ class DashpotWork : public SpringEngine<DashpotWork> {
 
 	void step()
 	{
-		static Kind isFrictViscoPhys { "FrictViscoPhys" }, others[] { { "MindlinPhys" }, { "ViscElPhys" } };
 		double power = 0;
-		for (const auto& interaction : interactionsOf(scene)) {
-			// Where only the bounds of a pair overlap there is no geom, and phys is from before, or none.
-			void* const geom = interaction_geom(interaction).get();
-			void* const phys = interaction_phys(interaction).get();
-			if (!geom || !phys)
-				continue;
-			for (Kind& isOther : others)
-				if (isOther(phys))
-					refuse(pairName(interaction_id1(interaction.get()), interaction_id2(interaction.get())) + " has "
-						+ className(phys),
-					    "Only dashpots of Law2_ScGeom_FrictViscoPhys_CundallStrackVisco are summed. Take that law, or remove "
-					    "DashpotWork");
-			if (!isScGeom(geom) || !isFrictViscoPhys(phys) || !(phys_cn(phys) > 0))
-				continue;
+		eachDashpot([&](yade::Interaction*, void* geom, void* phys) {
 			const double radii = geom_refR1(geom) + geom_refR2(geom), alpha = radii / (radii - geom_penetrationDepth(geom));
 			power += phys_normalViscous(phys).squaredNorm() / (phys_cn(phys) * alpha);
-		}
+		});
 		work += power * scene_dt(scene);
 	}
 };

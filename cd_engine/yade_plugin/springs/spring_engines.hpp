@@ -1,6 +1,7 @@
 // What the engines for springs share: they read what InteractionLoop has found, before NewtonIntegrator moves the bodies.
 #pragma once
 
+#include "../kind.hpp"
 #include "../layout.hpp"
 #include "../registered_engine.hpp"
 #include "../waiting.hpp"
@@ -28,6 +29,28 @@ template <class Derived> class SpringEngine : public RegisteredEngine<Derived> {
 	}
 
 	static std::string pairName(int id1, int id2) { return text("the contact of bodies #", id1, " and #", id2); }
+
+	// Calls visit(contact, geom, phys) for the contacts of Law2_ScGeom_FrictViscoPhys_CundallStrackVisco that have a normal dashpot.
+	template <class Visitor> void eachDashpot(Visitor&& visit) const
+	{
+		static Kind isFrictViscoPhys { "FrictViscoPhys" }, others[] { { "MindlinPhys" }, { "ViscElPhys" } };
+		for (const auto& interaction : interactionsOf(this->scene)) {
+			// Where only the bounds of a pair overlap there is no geom, and phys is from before, or none.
+			void* const geom = interaction_geom(interaction).get();
+			void* const phys = interaction_phys(interaction).get();
+			if (!geom || !phys)
+				continue;
+			for (Kind& isOther : others)
+				if (isOther(phys))
+					refuse(pairName(interaction_id1(interaction.get()), interaction_id2(interaction.get())) + " has "
+						+ className(phys),
+					    text(
+						"It is for dashpots of Law2_ScGeom_FrictViscoPhys_CundallStrackVisco only. Take that law, or remove ",
+						Derived::name));
+			if (isScGeom(geom) && isFrictViscoPhys(phys) && phys_cn(phys) > 0)
+				visit(interaction.get(), geom, phys);
+		}
+	}
 
     private:
 	void checkPlace() const
