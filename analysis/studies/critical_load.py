@@ -97,7 +97,7 @@ def draw(runs, rows, path):
             axes[0].semilogy(observables.load(run)[1:], np.abs(run.values("gamma"))[1:] + 1e-12, color=style.COLOUR[method], lw=0.8, label=words)
             words = None
     axes[0].axvline(limit, color="0.4", ls=":", label="static limit")
-    axes[0].set(xlabel=r"$\sigma_2/P_0$", ylabel=r"$|\gamma|$", ylim=(1e-9, None))
+    axes[0].set(xlabel=r"$\sigma_2/P_0$", ylabel=r"$|\gamma|$", ylim=(1e-7, None))
     for method, threshold, marker in (("CD", CRITICAL, "o"), ("CD", 1e-2, "^"), ("MD", 1e-2, "D")):
         style.points(axes[1], table[table.method == method], "limit load", f"load at {threshold:g}", method, marker=marker, ms=5,
                      mfc="none" if threshold != CRITICAL else None, label=rf"{method}, $|\gamma|$ = {threshold:g}")
@@ -116,7 +116,8 @@ def draw(runs, rows, path):
     axes[2].set(xlabel=r"$\sigma_2/P_0$", ylabel="rms difference of normal forces over their mean", ylim=(0, None))
     for axis in axes:
         axis.legend(loc="best", fontsize=6.5)
-    style.finish(fig, path, f"Left and right: the packing of seed {main[1]} prepared with mu = {main[0]:g}.", runs)
+    style.finish(fig, path, f"Left and right: one packing, of seed {main[1]}, prepared with mu = {main[0]:g}; below 1e-7 the strain is the "
+                 "error of the solver. Middle: a point a run; on the dotted line it yields at its static limit.", runs)
 
 
 POINTS = (

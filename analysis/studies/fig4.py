@@ -58,7 +58,8 @@ def draw(runs, rows, path):
         axes[0].set_ylabel(r"stress $\sigma_2/P_0$")
         _strains(axes[-1], pandas.DataFrame(rows))
         style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded, in one scale. Right: a point a packing. Rigid packings "
-                     "at rest show the error of the solver, of two tolerances.", runs)
+                     "at rest show the error of the solver: the lower band of steps solved to 1e-8 (dense packings, sigma1 held), the upper one of "
+                     "steps solved to 1e-7.", runs)
 
 
 def _loop(axis, run, exponent):

@@ -71,10 +71,10 @@ def draw(runs, rows, path):
                 or (run.method == "CD" and row["cd_dt"] != 1e-3) or (run.method == "MD" and row["stiffening"] != 1):
             continue
         label = kind(run) + ("" if kind(run) == RIGID else ", $k_n$" if row["stiffening"] == 1 else f", {row['stiffening']:g} $k_n$")
-        left.plot(-run.values("gamma"), run.values("sigma2") / run.pressure, color=COLOUR[kind(run)], label=label,
-                  ls="-" if kind(run) != SPRINGS else "--" if row["stiffening"] == 1 else ":", lw=3 if kind(run) == MD else 1.5)
-    left.set(xlabel=r"$-\gamma$", ylabel=r"$\sigma_2/P_0$", title=f"packing {seed}")
-    left.ticklabel_format(axis="x", style="sci", scilimits=(0, 0))
+        left.plot(-1e4 * run.values("gamma"), run.values("sigma2") / run.pressure, color=COLOUR[kind(run)], label=label,
+                  ls="-" if kind(run) != SPRINGS else "--" if row["stiffening"] == 1 else ":",
+                  **(dict(lw=4, alpha=0.6) if kind(run) == MD else dict(lw=1.5)))
+    left.set(xlabel=r"strain $-\gamma$  [$10^{-4}$]", ylabel=r"$\sigma_2/P_0$", title=f"packing {seed}")
     left.legend(fontsize=7)
     for medium in (MD, SPRINGS):
         part = table[table.medium == medium].groupby("stiffness_over_kn")["largest"].agg(["mean", "min", "max"])

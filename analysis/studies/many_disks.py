@@ -24,19 +24,18 @@ COLLAPSE = dict(scene="collapse", column_aspect=2.0, radius_spread=0.2)
 COARSE, MEDIUM, FINE = (dict(method="CD", max_iterations=20000) | dict(cd_dt=step, tolerance=tolerance)
                         for step, tolerance in ((2e-3, 1e-2), (1e-3, 1e-2), (1e-3, 1e-3)))
 SOFT, STIFF = (flow_costs.LIGHT | {"kn": kn, "md_energies": True} for kn in (2e6, 2e7))
-MANY, FEWER = 50000, 5000
+MANY = 50000
 # Springs of 2e7 N/m take hundreds of seconds for a second. So they get a window from the start, at whose end longer runs of rigid contacts have a
 # sample.
 WINDOW = 0.2  # s
 SHORT = dict(disks=MANY, period=WINDOW)
 EMPTIED = dict(disks=MANY, period=1.6, records_per_cycle=32)  # until more than half of the disks have left
 FALLEN = dict(disks=MANY, period=4.8, records_per_cycle=24)   # to rest
-TURNED = dict(disks=FEWER, period=2.7)                        # half the time of the study of flows
 # Rigid contacts refuse the column of seed 1, in which two disks overlap by 0.34 of a radius. To springs that is a small push.
 ROWS = {"quick": [row for settings in (FINE, SOFT) for row in product(disks=500, period=1.0, **FILLING, **settings)],
-        "full": [row for settings in (FINE, COARSE, SOFT) for row in product(disks=MANY, period=3.162, **FILLING, **settings)]
+        "full": [row for settings in (FINE, COARSE) for row in product(disks=MANY, period=3.162, **FILLING, **settings)]
         + [row for more in (EMPTIED | COARSE, SHORT | FINE, SHORT | STIFF) for row in product(**SILO | more)]
-        + [row for more in (TURNED | MEDIUM, TURNED | FINE, SHORT | FINE, SHORT | STIFF) for row in product(**DRUM | more)]
+        + [row for more in (SHORT | FINE, SHORT | STIFF) for row in product(**DRUM | more)]
         + [row for more in (FALLEN | COARSE | {"seed": (1, 2)}, SHORT | MEDIUM | {"seed": 2}, SHORT | FINE | {"seed": 2}, SHORT | STIFF | {"seed": 1})
            for row in product(**COLLAPSE | more)]}
 
@@ -153,5 +152,4 @@ def quantities(table):
     scenes = ("hopper", "drum", "collapse")
     fine, stiff = (pandas.DataFrame([pick(window, scene, settings) for scene in scenes], index=scenes) for settings in (FINE, STIFF))
     return {"fine": fine, "stiff": stiff, "silo": pick(table, "hopper", COARSE), "column": pick(window, "collapse", MEDIUM),
-            "turned": pick(table, "drum", MEDIUM, FEWER), "turned_fine": pick(table, "drum", FINE, FEWER),
-            "rigid": pick(table, "filling", FINE), "springs": pick(table, "filling", SOFT), "window": WINDOW}
+            "rigid": pick(table, "filling", FINE), "window": WINDOW}

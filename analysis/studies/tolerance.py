@@ -65,13 +65,15 @@ def draw(runs, rows, path):
             for level in md[name]:
                 axes.axhline(level, color=SHADE[name], ls="--", lw=0.8)
         axes.set(xscale="log", yscale="log", xlabel=label, title=title)
-    panels[0].set_ylabel(r"strain $\gamma$")
+    panels[0].set_ylabel("strains named in the legend")
     panels[0].legend(title="dashed: MD" if len(md) else None)
     if len(by_sweeps) and len(md):
         panels[1].plot(by_sweeps.value, md.largest.iloc[0] / by_sweeps.kappa_over_kn, ":", color="k",
-                       label=r"MD's largest $|\gamma|$ times $k_n/\kappa$, $\kappa = q m N_I/\Delta t^2$")
+                       label=r"MD's largest $|\gamma|$ times $k_n/\kappa$")
         panels[1].legend()
-    style.finish(fig, path, "Mean over the packings, bars from the smallest to the largest; points without bars are of one packing.",
+    style.finish(fig, path, "Bars: from the smallest to the largest of three packings, about their mean; points without bars are of one packing. "
+                 "Black: what Unger and Kertesz (2002) expect, contacts of stiffness kappa = q m N/dt^2 after N sweeps a step dt (m: mass of a disk, "
+                 f"q = {effective_medium.RELAXATION:g}).",
                  [run for run in runs if _key(run)[0] != BY_STEP])
 
 
