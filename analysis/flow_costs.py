@@ -67,6 +67,15 @@ def arguments(row):
     return f"cd_dt={row['step']:g} tolerance={row['at_rest']:g}{flow} gap_correction={row['gap_correction']:g}"
 
 
+def settings(row):
+    """Return the setting of a row in words."""
+    step = f"step {1e3 * row['step']:g} ms"
+    if row["kind"] in (MD, SPRINGS):
+        stiffness = f"{row['setting']:.0e}".replace("e+0", "e")
+        return f"{stiffness} N/m, beta_n = {row['beta_n']:g}" + (f", {step}" if row["kind"] == SPRINGS else "")
+    return f"{row['setting']:.0f} sweeps, {step}" if row["kind"] == FEW else f"tolerance {row['setting']:g}, {step}"
+
+
 def summarize(runs):
     """Return one row a scene, size and setting, over the seeds.
 

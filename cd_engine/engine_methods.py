@@ -78,6 +78,12 @@ def is_number(value):
     return isinstance(value, numbers.Real) and math.isfinite(value)
 
 
+def slaves(engines):
+    """Return the engines that stand inside the live ParallelEngines of a list."""
+    parallel = [engine for engine in engines if type(engine).__name__ == "ParallelEngine" and not engine.dead]
+    return [inside for engine in parallel for row in engine.slaves for inside in (row if isinstance(row, (list, tuple)) else [row])]
+
+
 def gravity(engines):
     """Return the gravity of the first live engine that has one; None without any."""
     return next((engine.gravity for engine in engines if hasattr(engine, "gravity") and not engine.dead), None)

@@ -29,12 +29,19 @@ def stop():
 
 @contextlib.contextmanager
 def awaited():
-    """Raise at the end what has failed while the caller waits for a run."""
+    """Raise at the end what has failed in the run for which the caller waits, also before the wait began."""
     global _failure, _awaited
-    _failure, _awaited = None, True
+    _awaited = True
     try:
         yield
     finally:
         _awaited = False
-    if _failure:
-        raise _failure
+        failure, _failure = _failure, None
+    if failure:
+        raise failure
+
+
+def begin():
+    """Forget what has ended an earlier run: another one begins."""
+    global _failure
+    _failure = None

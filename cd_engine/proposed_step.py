@@ -82,7 +82,9 @@ def _springs_step(O, movable):
     engine = next((engine for engine in O.engines if type(engine).__name__ == "ContactDynamics" and not engine.dead), None)
     kn = math.inf if engine is None else engine.stiffness
     if engine is not None and engine.materialStiffness:
-        kn = max(body.mat.young * body.shape.radius for body in movable)
+        # YADE's functors take a facet for a sphere of twice the radius.
+        share = 4 / 3 if any(type(body.shape).__name__ == "Facet" for body in O.bodies) else 1
+        kn = share * max(body.mat.young * body.shape.radius for body in movable)
     return math.sqrt(STIFF * min(body.state.mass for body in movable) / (2 * kn)) if 0 < kn < math.inf else math.inf
 
 

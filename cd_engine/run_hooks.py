@@ -11,6 +11,9 @@ from . import engine_methods, failing, watching
 REPLACING = ("load", "loadTmp", "reload", "reset", "resetAllScenes", "resetCurrentScene", "resetThisScene", "stringToScene")
 
 
+OWN = ("ContactDynamics", "PathIndependentShear", "TangentialDashpots", "DashpotWork", "PlateLoads")
+
+
 def install(plugin):
     """Replace these methods of YADE's O. plugin: the compiled module.
 
@@ -29,6 +32,8 @@ def install(plugin):
 
     def run(self, nSteps=-1, wait=False):
         check()
+        if not engine_methods.in_a_run():
+            failing.begin()
         plugin.run_begins()
         if not wait:
             return originals["run"](self, nSteps)
@@ -36,6 +41,7 @@ def install(plugin):
 
     def step(self):
         check()
+        failing.begin()
         plugin.take_error()
         try:
             with failing.awaited():
@@ -92,6 +98,7 @@ def install(plugin):
                 pause(self)
             originals[name](self, *arguments, **keywords)
             watching.forget()
+            failing.begin()
             if name == "resetAllScenes":
                 checks.clear()
             checks.pop(self.thisScene, None)  # the scene is another one, of which nothing has run
@@ -131,10 +138,10 @@ class _EngineCheck:
     def __call__(self):
         live = [engine for engine in self.O.engines if not engine.dead]
         names = [type(engine).__name__ for engine in live]
-        for slaves in (str(engine.slaves) for name, engine in zip(names, live) if name == "ParallelEngine"):
-            for inside in ("ContactDynamics", "PathIndependentShear", "TangentialDashpots", "DashpotWork", "PlateLoads"):
-                if inside in slaves:
-                    raise RuntimeError(f"{inside} stands in a ParallelEngine; there any error that it raises ends YADE. Put it into O.engines itself")
+        for slave in engine_methods.slaves(live):
+            inside = "cd_engine.watch()" if getattr(slave, "command", "").startswith(watching.COMMAND) else type(slave).__name__
+            if inside == "cd_engine.watch()" or inside in OWN:
+                raise RuntimeError(f"{inside} stands in a ParallelEngine; there any error that it raises ends YADE. Put it into O.engines itself")
         if "ContactDynamics" in names:
             if self.O.periodic:  # YADE's collider would end the program if there are boundaries
                 raise RuntimeError("ContactDynamics: the scene is periodic, which is not supported. Set O.periodic=False and use walls")

@@ -10,6 +10,7 @@ A check finds what no valid simulation has:
 It reads the scene and changes nothing in it.
 """
 import math
+import numbers
 
 import numpy as np
 
@@ -71,7 +72,7 @@ class Watch:
         gravity = _gravity(O)
         traces = contacts.traces(O.dt) if _explicit(O) else np.zeros(len(bodies.ids))
         value = contacts.eigenvalue(O.dt, traces)
-        what = self._numbers(bodies) or self._step(O, bodies, contacts, gravity, value, traces, moved) or self._overlap(O, bodies, contacts) \
+        what = self._numbers(O, bodies) or self._step(O, bodies, contacts, gravity, value, traces, moved) or self._overlap(O, bodies, contacts) \
             or self._speed(O, bodies, gravity) or self._energy(O, bodies, gravity, value)
         if what:
             step = self._enough(O, bodies)
@@ -86,9 +87,14 @@ class Watch:
         self.deepest = contacts.depths().max(initial=0)
         self.fastest = _speeds(bodies).max(initial=0)
 
-    def _numbers(self, bodies):
+    def _numbers(self, O, bodies):
         wrong = ~(np.isfinite(bodies.position).all(axis=1) & np.isfinite(bodies.velocity).all(axis=1))
-        return f"the position or velocity of {bodies.name(wrong.argmax())} is not finite; this arose after step {self.passed}" if wrong.any() else ""
+        if not wrong.any():
+            return ""
+        what = f"the position or velocity of {bodies.name(wrong.argmax())} is not finite"
+        if self.passed < 0:
+            raise Unstable(f"step {O.iter}: {what}, since the first check: look for what sets its state.pos and state.vel")
+        return f"{what}; this arose after step {self.passed}"
 
     def _step(self, O, bodies, contacts, gravity, value, traces, moved):
         """Compare the step with the limit of the contacts. A step above it may do no harm where contacts last for a few steps only, or where kn is
@@ -247,10 +253,12 @@ def watch(every=None, observers=()):
         O.engines += [cd_engine.watch()]
     """
     from yade import wrapper
-    if every is not None and not (isinstance(every, int) and every > 0):
+    if every is not None and not (isinstance(every, numbers.Integral) and not isinstance(every, bool) and every > 0):
         raise ValueError(f"watch: every={every!r} is out of range: it must be a whole number of steps above 0")
+    if not (isinstance(observers, (list, tuple, set)) and all(isinstance(label, str) for label in observers)):
+        raise ValueError(f"watch: observers={observers!r} is no list of labels, such as ['sampling']")
     return wrapper.PyRunner(command=_command(observers, every), iterPeriod=FIRST, initRun=True, updateGlobals=False, label=LABEL)
 
 
 def _command(observers, most):
-    return f"{COMMAND}({tuple(observers)!r}, {most!r})"
+    return f"{COMMAND}({tuple(observers)!r}, {most and int(most)!r})"

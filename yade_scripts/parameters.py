@@ -77,7 +77,7 @@ REGISTRY = {p.name: p for p in (
               "distance of the centres, acts at the arms R1 and R2, so that a closed path leaves no force and costs no energy)",
               choices=("standard", "avoid_ratcheting", "path_independent"), method="MD"),
     Parameter("tangential_damping", 0.0, "1", "eq. 6's gamma over that of eq. 5, 1 as the paper writes them; YADE's viscous law has no tangential "
-              "dashpot. Not used in the preparation", low=0, high=10, method="MD"),
+              "dashpot. Not used in the preparation; lowers the stable step", low=0, high=2, method="MD"),
     # Time stepping.
     Parameter("md_dt_factor", 0.2, "1", "largest MD step in units of sqrt(m_min/k_n)", above=0, high=1, method="MD"),
     Parameter("md_load_every", 5, "1", "MD steps between updates of the servo's goals", low=1, high=1000, method="MD"),

@@ -1,7 +1,7 @@
 """What a mean of a flow costs by springs of any damping, by springs in Contact Dynamics, and by rigid contacts with few sweeps, with 500 disks."""
 from analysis import flow_costs
 from analysis.flow_costs import (COARSE, COARSER, DEFAULT, FEW, FINE, FINEST, IMPLICIT, KINDS, LIGHT, MD, MIDDLE, PROPOSED, QUANTITY, SMALL,
-                                 SPRINGS, STIFF, STRICT, WORDS, draw, rows_of, summarize)
+                                 SPRINGS, STIFF, STRICT, WORDS, draw, rows_of, settings, summarize)
 
 __all__ = ["draw", "summarize"]
 
@@ -25,15 +25,6 @@ ROWS = {"quick": rows_of("filling", SMALL, [FINE, FINE | {"fixed_iterations": 10
         # Where springs of MD do not tend to the rigid answer: do springs in Contact Dynamics tend to theirs as the step falls?
         + [row for scene in ("filling", "collapse")
            for row in rows_of(scene, SMALL, [IMPLICIT | {"kn": 2e7, "beta_n": 0.2, "cd_dt": 5e-5}], range(1, 9))]}
-
-
-def settings(row):
-    """Return the setting of a row in words."""
-    step = f"step {1e3 * row['step']:g} ms"
-    if row["kind"] in (MD, SPRINGS):
-        stiffness = f"{row['setting']:.0e}".replace("e+0", "e")
-        return f"{stiffness} N/m, beta_n = {row['beta_n']:g}" + (f", {step}" if row["kind"] == SPRINGS else "")
-    return f"{row['setting']:.0f} sweeps, {step}" if row["kind"] == FEW else f"tolerance {row['setting']:g}, {step}"
 
 
 def quantities(table):

@@ -337,8 +337,7 @@ template <class Space> void ContactDynamics::advance()
 	show<Space>();
 	if (!converged && fixedIterations == 0)
 		warnOfUnsolved();
-	if (deepestPenetration > deepestBefore)
-		warnOfPenetration<Space>(deepestBefore, takesOver);
+	warnOfPenetration<Space>(deepestBefore, takesOver);
 }
 
 // A step in which nothing moves, as in the last one.

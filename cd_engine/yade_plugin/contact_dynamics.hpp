@@ -83,6 +83,7 @@ class ContactDynamics : public RegisteredEngine<ContactDynamics> {
 	std::mutex stepping; // held during a step: O.pause() may return while the last step still runs
 	OtherEngines others;
 	bool warnedOfUnsolved = false, warnedOfLost = false, warnedOfSpeed = false;
+	double toldPenetration = -1; // deepest of the steps whose overlaps a warning may tell [m]; negative: of none
 	std::array<double, 7> last {}; // the settings of the last step on which sleep depends; a step of 0 s: none
 	bool idle = false; // the last step changed nothing, nor will the next one unless somebody changes something
 	bool moved = false; // the step under way has moved the bodies

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <utility>
 
 namespace cd_engine {
 namespace {
@@ -108,18 +109,25 @@ template <class Space> void ContactDynamics::warnOfShortStep(double dt)
 	const double needed = std::min(1 / link.pairSearch().longestWay(), std::sqrt(cd::smallestRadius(link.world) / pull) / dt);
 	if (shortStep * needed > 1)
 		link.warnOnce(text("O.dt is ", dt, " s: a disk needs at least ", needed, " steps to fall or move by its radius."),
-		    "Springs need such short steps; rigid contacts do not, unless something will be much faster. cd_engine.timeStep() proposes "
-		    "O.dt.");
+		    text(link.world.compliant() ? "Explicit springs need such short steps; contacts with a stiffness in ContactDynamics do not"
+						: "Springs need such short steps; rigid contacts do not",
+			", unless something will be much faster. cd_engine.timeStep() proposes O.dt."));
 }
 
 // Prints a line where disks have sunk into each other by a hundredth of a radius, and again by a quarter. before: the deepest of all earlier steps.
+// A step without a solution, or in which a boundary is moved by its position, has its own warning, and counts for no later one.
 template <class Space> void ContactDynamics::warnOfPenetration(double before, bool takesOver)
 {
 	auto& [link, step] = course<Space>();
+	if (toldPenetration < 0)
+		toldPenetration = before; // a loaded scene goes on
+	if (!(maxPenetration > toldPenetration) || !unsolvableContact.empty() || link.boundariesPlaced())
+		return;
+	before = std::exchange(toldPenetration, maxPenetration);
 	const double smallest = cd::smallestRadius(link.world), longest = link.pairSearch().longestWay();
-	const auto passes = [&](double share) { return before <= share * smallest && deepestPenetration > share * smallest; };
-	if (!((passes(deep) && !link.world.compliant()) || passes(veryDeep)) || !unsolvableContact.empty() || link.boundariesPlaced())
-		return; // a step without a solution, or a boundary that is moved by its position, has its own warning
+	const auto passes = [&](double share) { return before <= share * smallest && maxPenetration > share * smallest; };
+	if (!(passes(deep) && !link.world.compliant()) && !passes(veryDeep))
+		return;
 	const cd::Pair& deepest = link.deepest(step);
 	// Two bodies can approach each other in the step. One that has come with it overlaps because it was put there; if the scene has just been
 	// taken over, all have come, and only what they have approached since counts as overlap.

@@ -60,7 +60,7 @@ def test_the_energy_that_is_lost(O):
 
 
 def test_a_contact_that_slides_is_at_the_limit(O):
-    """The dashpot alone would be stronger than the Coulomb limit; sliding steadily, the total is mu times the force of the normal spring."""
+    """The dashpot alone would be stronger than Coulomb's limit; sliding steadily, the total is mu times the normal force."""
     mass, omega, cn = pair(O, 0.1, 0.1, 10.0)
     limit = 0.1 * STIFFNESS * PRESSED * RADIUS
     speed = 3 * limit / (10 * cn)
@@ -71,6 +71,22 @@ def test_a_contact_that_slides_is_at_the_limit(O):
         assert abs(O.interactions[0, 1].phys.shearForce[0]) <= limit * (1 + 1e-9)
     assert O.forces.t(1)[2] == pytest.approx(-limit * (1 - PRESSED / 2) * RADIUS, rel=1e-4)  # the contact lies below its centre: it turns clockwise
     assert O.forces.f(0)[0] == pytest.approx(limit, rel=1e-4)
+
+
+def test_a_step_of_no_time_only_makes_contacts(O):
+    """O.dt = 0 makes contacts without motion, as scripts do before the first step."""
+    mass, omega, cn = pair(O, 2.0, 0.1, 1.0)
+    O.dt = 0
+    O.step()
+    assert O.forces.f(1)[0] == 0 and O.forces.f(1)[1] == pytest.approx(STIFFNESS * PRESSED * RADIUS) and O.engines[3].work == 0
+
+
+def test_a_time_stepper_before_it_is_refused(O):
+    """The slip that it reads belongs to the step before the change."""
+    pair(O, 2.0, 0.1, 1.0)
+    O.engines = O.engines[:3] + [w.GlobalStiffnessTimeStepper()] + O.engines[3:]
+    with pytest.raises(RuntimeError, match="GlobalStiffnessTimeStepper between.*right behind InteractionLoop"):
+        O.step()
 
 
 def test_the_stable_step_counts_them(O):

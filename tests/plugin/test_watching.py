@@ -203,3 +203,33 @@ def test_no_bit_of_the_motion_changes(O, rigid):
 def test_what_is_no_number_of_steps_is_refused(O, every):
     with pytest.raises(ValueError, match="every=.* is out of range"):
         cd_engine.watch(every=every)
+
+
+@pytest.mark.parametrize("observers", ["sampling", None, 3, [3]])
+def test_observers_are_labels(O, observers):
+    with pytest.raises(ValueError, match="observers=.* is no list of labels"):
+        cd_engine.watch(observers=observers)
+
+
+def test_a_wait_after_the_end_raises(O):
+    """The run has ended, with a line, before anybody waits for it."""
+    plane.floor()
+    plane.disk((0, 0.01), 0.01)
+    O.engines = spring_engines((0, -9.81, 0)) + [cd_engine.watch()]
+    O.dt = 1e-5
+    O.bodies[1].state.vel = (math.nan, 0, 0)
+    O.run(5000)
+    while O.running:
+        time.sleep(0.01)
+    with pytest.raises(cd_engine.Unstable, match="is not finite, since the first check"):
+        O.wait()
+    O.wait()  # told once
+
+
+def test_it_does_not_stand_in_a_parallel_engine(O):
+    """There an error would end YADE."""
+    plane.floor()
+    plane.disk((0, 0.01), 0.01)
+    O.engines = spring_engines((0, -9.81, 0)) + [w.ParallelEngine([cd_engine.watch()])]
+    with pytest.raises(RuntimeError, match="watch.. stands in a ParallelEngine"):
+        O.run(1, True)

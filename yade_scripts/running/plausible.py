@@ -35,6 +35,9 @@ def doubts(full):
     if full["method"] == "MD" and full["md_dt_factor"] > (limit := spring_limits.oscillator_limit(full["beta_n"] * full["damping_factor"])):
         found.append(f"md_dt_factor = {full['md_dt_factor']:g} is above {limit:.2g}, the limit of a single contact of such damping: impacts are "
                      "wrong")
+    if full["method"] == "MD" and full["tangential_damping"] and not full["beta_n"] * full["damping_factor"]:
+        found.append(f"tangential_damping = {full['tangential_damping']:g} has no effect without normal dashpots (beta_n, damping_factor), over "
+                     "which it is given")
     if full["method"] == "CD":
         interval, usual = full["period"] / full["records_per_cycle"], parameters.defaults(full["scene"])
         if full["cd_dt"] != usual["cd_dt"] and full["cd_dt"] > interval:

@@ -52,10 +52,16 @@ def remedy(full, failure):
     """Return what to change in the row of a run that an Unstable has ended."""
     name = "md_dt_factor" if full["method"] == "MD" else "cd_dt"
     if failure.step:
-        return f"{name} = {full[name]:g} is too long, {full[name] * failure.step / O.dt:.2g} would do"
-    if full["method"] == "MD" and full[name] > SAFE:
+        return f"{name} = {full[name]:g} is too long, {_below(full[name] * failure.step / O.dt):g} would do"
+    if full["method"] == "MD" and full[name] > SAFE and not full["tangential_damping"]:
         return f"{name} = {full[name]:g} is too long, {SAFE} would do"
     return f"use a smaller {name} than {full[name]:g}, or " + ("stiffer springs" if full["method"] == "MD" else "a smaller tolerance")
+
+
+def _below(value):
+    """Return the largest number of two digits that is at most `value`."""
+    unit = 10.0**(math.floor(math.log10(value)) - 1)
+    return math.floor(value / unit * (1 + 1e-12)) * unit
 
 
 class Recorder:

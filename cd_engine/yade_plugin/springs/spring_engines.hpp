@@ -62,6 +62,10 @@ template <class Derived> class SpringEngine : public RegisteredEngine<Derived> {
 			if (engine->dead)
 				continue;
 			const std::string other = engine->getClassName();
+			if (found && !used && other.find("TimeStepper") != std::string::npos)
+				refuse(text("a ", other,
+					   " between InteractionLoop and it changes O.dt, to which the motion that it reads does not belong"),
+				    "Put it right behind InteractionLoop in O.engines");
 			found = found || other == "InteractionLoop";
 			used = used || other == "NewtonIntegrator";
 			if (other == Derived::name)
