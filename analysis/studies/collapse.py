@@ -169,11 +169,16 @@ def quantities(table):
     single = pandas.concat([change.loc[0.3] for change in others])
     shown = {name: [standing(table, name, load) for load in LOADS] for name in (*MAIN, FINE)}
     long = table[table.case.isin(("springs, 2 s", "rigid, 2 s"))]["collapses after"]
-    counts = {case: shown[case][0][:2] for case in (*MAIN, FINE)}
+    above = table[table.dSigma == 0.4].groupby("case")["seconds above the limit"].median()
+    tried = table[(table.case == FINE) & (table.dSigma == 0.3)].seed
+    same_few = standing(table[table.seed.isin(tried)], "rigid", 0.3)[2]
 
     def chance(one, other):
-        """Return Fisher's p that as different shares of two cases stand by chance (dSigma = 0.3, both sides)."""
-        return stats.fisher_exact([[stand, count - stand] for stand, count in (counts[one], counts[other])])[1]
+        """Return McNemar's exact p (dSigma = 0.3, both sides): of the packings that stand to the end in one of two cases only, as many are of one of
+        them by chance."""
+        own, others = (table[(table.case == case) & (table.dSigma == 0.3)].set_index("seed")["collapses after"].isna() for case in (one, other))
+        apart = own != others
+        return stats.binomtest(int((own & apart).sum()), int(apart.sum())).pvalue if apart.any() else 1.0
 
     def sign(quotients):
         """Return the p of the sign test: of the packings of which it is known, as many stand longer, or less long, by chance."""

@@ -136,6 +136,8 @@ def quantities(table):
     own = cd[cd.network == 0]  # one run a packing, from the springs' own forces
     alike = own[own["preparation mu"] == same.index[0][0]]
     over = cd["load at 0.0001"] / cd["limit load"]
+    others = cd.groupby(packing)["load at 0.0001"].agg(lambda loads: loads.max() - loads.min())
+    pairs = others[several[several < several.max()].index]
     apart, end = cd["networks apart at start"].dropna(), cd["networks apart at end"].dropna()
     assert not cd["unconverged before"].any() and (several[several < several.max()] == 1).all()
     return locals()

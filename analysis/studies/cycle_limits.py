@@ -90,6 +90,7 @@ def quantities(table):
     dense_held, loose_held = held[held["preparation friction"] == 0], held[held["preparation friction"] > 0]
     dense_mean = packings[(packings["stress path"] == "mean") & (packings["preparation friction"] == 0)]
     below_md, below_cd = (below[below.medium == medium] for medium in ("MD", "springs"))
+    worst_cd = below_cd.loc[below_cd[last].idxmax()]
     loose_mean = packings[(packings["stress path"] == "mean") & (packings["preparation friction"] > 0)]
     to_melan = (springs.dSigma / springs.shakedown).groupby([springs["stress path"], springs["preparation friction"], springs.seed])
     nearest = to_melan.agg(lambda own: own[own < 1].max()), to_melan.agg(lambda own: own[own > 1].min())

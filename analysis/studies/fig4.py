@@ -95,7 +95,7 @@ def load_over_limit(table):
 
 
 POINTS = (
-    (7, "The perturbation that the loading exerts on the system is much weaker in the CD simulation", "section 3, Fig. 4", "agrees"),
+    (7, "The perturbation that the loading exerts on the system is much weaker in the CD simulation", "section 3, Fig. 4", "agrees in part"),
     (9, "But note also that the energy dissipated is bigger in the MD cycle, and so is the remanent strain at the end of the process.",
      "section 3, Fig. 4", "agrees in part"),
 )

@@ -40,6 +40,7 @@ def quantities(table):
     judged = table[~table.is_rigid_answer & table.apply(flow_costs.is_judged, axis=1)]
     springs = table[table.kind == MD].set_index(["setting", "beta_n", "scene"]).sort_index()
     light, damped, stiffest = (springs.loc[kn, beta] for kn, beta in ((2e7, LIGHT["beta_n"]), (2e7, 0.9), (2e8, LIGHT["beta_n"])))
+    column = [springs.loc[kn, LIGHT["beta_n"]].error.collapse for kn in (2e6, 5e6, 2e7, 2e8)]
     own = table[table.kind == SPRINGS].set_index(["step", "setting", "beta_n", "scene"]).sort_index()
     implicit, finer = (own.loc[step, 2e7, LIGHT["beta_n"]] for step in (IMPLICIT["cd_dt"], 5e-5))
     few = {sweeps: table[(table.kind == FEW) & (table.setting == sweeps)].set_index("scene") for sweeps in (2, 5, 10, 20)}

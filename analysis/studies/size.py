@@ -1,6 +1,7 @@
 """How the static limit, the load at yield and the strain under cycles depend on the number of disks."""
 import numpy as np
 import pandas
+from scipy import stats
 
 from analysis import cycles, limits, observables, style, summary
 from analysis.studies import fig3, fig5
@@ -82,4 +83,6 @@ def quantities(table):
     sizes = dict(list(table.groupby("disks")))
     md, cd = (f"yields over the limit at, {method}" for method in style.MARKER)
     ratio = (table[cd] / table[md]).groupby(table.disks).median()
+    late = {disks: part["rate"].abs().dropna() for disks, part in sizes.items()}
+    chance = stats.mannwhitneyu(late[100], late[400]).pvalue
     return locals() | {"limit": {disks: part["static limit"] for disks, part in sizes.items()}}

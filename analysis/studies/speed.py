@@ -18,9 +18,6 @@ STEPS, FINEST = (0.4, 0.3, 0.1, 0.03), 0.01  # beyond 0.45 to 0.5 the springs ar
 FASTER = {10: 0.316, 100: 0.1}
 # Springs in Contact Dynamics: the step, and the tolerance at one step.
 IMPLICIT, IMPLICIT_STEPS, IMPLICIT_TOLERANCES = RIGID | dict(cd_contacts="springs"), (5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4), (1e-4, 1e-2, 1.0)
-# 500 disks fall into a box: here nothing is at rest to begin with. The first of the settings of CD is the rigid truth.
-FILLING = dict(scene="filling", disks=500, period=1.0, seed=range(1, 9))
-FILLED = ((2.5e-4, 1e-3), (5e-4, 1e-4), (1e-3, 1e-3), (2e-3, 1e-2), (4e-3, 1e-2))
 ROWS = {"quick": product(md_dt_factor=STEPS[:2], **SPRINGS) + product(tolerance=(1e-2, 1e-6), cd_dt=5e-3, **RIGID)
         + product(cd_dt=(5e-3, 1e-3), **IMPLICIT),
         "full": [row for stiffness, period in FASTER.items()
@@ -29,32 +26,25 @@ ROWS = {"quick": product(md_dt_factor=STEPS[:2], **SPRINGS) + product(tolerance=
         + product(md_dt_factor=STEPS, seed=SEEDS, **SPRINGS) + product(md_dt_factor=FINEST, seed=SEEDS, **SPRINGS | dict(records_per_cycle=200))
         + product(cd_dt=(5e-3, 1e-3), tolerance=(1e-2, 1e-4, 1e-6, 1e-8), seed=SEEDS, **RIGID)
         + product(cd_dt=IMPLICIT_STEPS, seed=SEEDS, **IMPLICIT) + product(cd_dt=1e-3, tolerance=IMPLICIT_TOLERANCES, seed=SEEDS, **IMPLICIT)
-        + product(cd_dt=(5e-3, 1e-3), stiffening=(10, 100, 10000), seed=SEEDS, **IMPLICIT)
-        + product(method="MD", kn=(2e6, 5e6, 2e7), md_dt_factor=0.3, md_energies=False, **FILLING)
-        + [row for step, tolerance in FILLED for row in product(method="CD", cd_dt=step, tolerance=tolerance, **FILLING)]
-        + product(method="CD", cd_contacts="springs", kn=(2e6, 2e7), cd_dt=(5e-4, 2e-3), **FILLING)}
-CYCLE_SCENE, FILLING_SCENE = "biaxial", "filling"
+        + product(cd_dt=(5e-3, 1e-3), stiffening=(10, 100, 10000), seed=SEEDS, **IMPLICIT)}
 
 
 def summarize(runs):
     """Return one row a setting, over the packings, with its errors and its processor time [s] (medians).
 
-    In the cycle the errors are of |gamma| at the largest load: against rigid grains, which do not strain below the static limit (rigid
-    error), and against springs of k_n with the smallest step (elastic error), both over the strain of the latter. In the filling the error
-    is that of the mean height against rigid contacts with the smallest step, relative, with its standard error.
+    The errors are of |gamma| at the largest load: against rigid grains, which do not strain below the static limit (rigid error), and against
+    springs of k_n with the smallest step (elastic error), both over the strain of the latter.
     """
-    cycled, filled = ([run for run in runs if run.parameters["scene"] == scene] for scene in (CYCLE_SCENE, FILLING_SCENE))
-    soft = [run for run in cycled if run.method == "MD" and run.parameters["stiffening"] == 1]
+    soft = [run for run in runs if run.method == "MD" and run.parameters["stiffening"] == 1]
     soft.sort(key=lambda run: -run.parameters["md_dt_factor"])  # of the runs of a seed the last one, of the smallest step, stays
     truth = {run.parameters["seed"]: _strain(run) for run in soft}
-    return ([_cycle(key, group, truth) for key, group in summary.groups(cycled, _key).items()]
-            + [_filling(key, group, filled) for key, group in summary.groups(filled, _key).items()])
+    return [_cycle(key, group, truth) for key, group in summary.groups(runs, _key).items()]
 
 
 def _key(run):
-    """Return what tells settings apart: method, period [s], stiffness of the springs over 2e6 N/m, step, tolerance."""
+    """Return what tells settings apart: method, period [s], stiffness of the springs over k_n, step, tolerance."""
     row = run.parameters
-    stiffness = row["stiffening"] * row["kn"] / 2e6
+    stiffness = row["stiffening"]
     if run.method == "MD":
         return "MD", row["period"], stiffness, row["md_dt_factor"], 0.0
     return "CD", row["period"], stiffness if row["cd_contacts"] == "springs" else 0.0, row["cd_dt"], row["tolerance"]
@@ -65,58 +55,40 @@ def _strain(run):
     return float(abs(np.interp(run.parameters["period"] / 2, run.values("time"), run.values("gamma"))))
 
 
-def _named(scene, key, group):
-    method, period, stiffness, step, tolerance = key
-    return {"scene": scene, "method": method, "period": period, "springs over k_n": stiffness or "", "step": step, "tolerance": tolerance or "",
-            "runs": len(group),
-            "seconds": float(np.median([run.values("processor_time")[-1] for run in group]))}
-
-
 def _cycle(key, group, truth):
     strains = [(_strain(run), truth.get(run.parameters["seed"], np.nan)) for run in group]
     rigid, elastic = ([found / true for found, true in strains], [abs(found - true) / true for found, true in strains])
-    return _named(CYCLE_SCENE, key, group) | {
+    method, period, stiffness, step, tolerance = key
+    return {
+        "method": method, "period": period, "springs over k_n": stiffness or "", "step": step, "tolerance": tolerance or "", "runs": len(group),
+        "seconds": float(np.median([run.values("processor_time")[-1] for run in group])),
         "rigid error": float(np.median(rigid)), "least rigid error": min(rigid), "largest rigid error": max(rigid),
         "elastic error": float(np.median(elastic)), "|gamma|": float(np.median([strain for strain, _ in strains])),
         "unsolved steps": max(observables.unconverged_steps(run) for run in group) if key[0] == "CD" else ""}
 
 
-def _filling(key, group, filled):
-    heights = {run.parameters["seed"]: float(run.extra["height"]) for run in filled if _key(run) == ("CD", FILLING["period"], 0.0, *FILLED[0])}
-    pairs = np.array([float(run.extra["height"]) / heights.get(run.parameters["seed"], np.nan) - 1 for run in group])
-    deviation = float(pairs.std(ddof=1) / np.sqrt(len(pairs))) if len(pairs) > 1 else np.nan
-    return _named(FILLING_SCENE, key, group) | {"rigid error": float(pairs.mean()), "standard error": deviation}
-
-
 def draw(runs, rows, path):
-    """Draw error against processor time: a cycle with both references, and the filling. Lines: the least error of MD that costs no more, and of
-    springs in CD."""
-    strain = r"error of $|\gamma|$ over $|\gamma|$ of springs of $k_n$"
-    panels = [(CYCLE_SCENE, "rigid error", "one cycle; reference: rigid grains", strain),
-              (CYCLE_SCENE, "elastic error", r"one cycle; reference: springs of $k_n$", strain),
-              (FILLING_SCENE, "rigid error", "filling; reference: rigid grains", "relative error of the height")]
-    panels = [panel for panel in panels if any(row["scene"] == panel[0] for row in rows)]
+    """Draw error against processor time with both references. Lines: the least error of MD that costs no more, and of springs in CD."""
+    panels = ("rigid error", "reference: rigid grains"), ("elastic error", r"reference: springs of $k_n$")
     fig, axes = plt.subplots(1, len(panels), figsize=(3.8 * len(panels) + 1.8, 4.2), squeeze=False)
     looks, drawn = _looks(rows), {}
-    for axis, (scene, name, title, label) in zip(axes[0], panels):
-        own = [row for row in rows if row["scene"] == scene and abs(row[name]) > 0]
+    for axis, (name, title) in zip(axes[0], panels):
+        own = [row for row in rows if abs(row[name]) > 0]
         for series, look in looks.items():
             for size, short in ((3, True), (6, False)):
                 if points := [row for row in own if _series(row) == series and (row["period"] < CYCLE["period"]) == short]:
-                    errors = [row.get("standard error", 0) for row in points]
-                    drawn[series] = axis.errorbar([row["seconds"] for row in points], [abs(row[name]) for row in points], errors, ls="", ms=size,
-                                                  elinewidth=0.7, **look)
+                    drawn[series], = axis.plot([row["seconds"] for row in points], [abs(row[name]) for row in points], ls="", ms=size, **look)
         for method, dashes in (("MD", "-"), ("CD", "--")):
             front = [(row["seconds"], abs(row[name])) for row in own if row["method"] == method and row["springs over k_n"]]
             ordered = np.array(sorted(front)).reshape(-1, 2)
             axis.step(ordered[:, 0], np.minimum.accumulate(ordered[:, 1]), where="post", color=style.GREY["88"], lw=0.8, ls=dashes)
-        axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", ylabel=label, title=title)
+        axis.set(xscale="log", yscale="log", xlabel="processor time of a run [s]", title=title)
+    axes[0, 0].set_ylabel(r"error of $|\gamma|$ over $|\gamma|$ of springs of $k_n$")
     shown = [series for series in looks if series in drawn]
     axes[0, -1].legend([drawn[series] for series in shown], [looks[series]["label"] for series in shown], loc="center left",
                        bbox_to_anchor=(1.0, 0.5))
     style.finish(fig, path, "Each point is one setting of stiffness, step and tolerance. Small points: cycles of 0.1 s (springs of 10 k_n: "
-                 "0.316 s); the others: 1 s. Grey lines: the least error of springs at that cost, full by MD, dashed in CD. Bars: "
-                 "standard errors.", runs)
+                 "0.316 s); the others: 1 s. Grey lines: the least error of springs at that cost, full by MD, dashed in CD.", runs)
 
 
 def _series(row):
@@ -136,16 +108,13 @@ def _looks(rows):
 
 def quantities(table):
     kinds = table.method.where((table.method == "MD") | table["springs over k_n"].isna(), "springs in CD")
-    cycle, filled = (dict(list(own.groupby(kinds))) for own in (table[table.scene == scene] for scene in (CYCLE_SCENE, FILLING_SCENE)))
+    cycle = dict(list(table.groupby(kinds)))
     springs = cycle["MD"].set_index(["period", "springs over k_n", "step"])
     rigid = cycle["CD"].set_index(["period", "step", "tolerance"])
     implicit = cycle["springs in CD"].set_index(["springs over k_n", "step", "tolerance"]).sort_index()
     by_step = implicit.xs((1.0, parameters.SPRING_TOLERANCE), level=("springs over k_n", "tolerance"))
     usual, short, longest = CYCLE["period"], FASTER[100], STEPS[0]
     finest, soft, faster = springs.loc[usual, 1.0, FINEST], springs.loc[usual, 1.0, longest], springs.loc[short, 100.0, longest]
-    fine = filled["CD"].set_index("step").loc[1e-3]
-    box = filled["MD"].set_index("springs over k_n").loc[2.5]
-    boxes = filled["springs in CD"].set_index(["springs over k_n", "step"])
     loose, hasty, strict = rigid.loc[usual, 5e-3, 1e-6], rigid.loc[short, 5e-3, 1e-6], rigid.loc[usual, 5e-3, 1e-8]
     assert rigid[rigid.index.get_level_values("tolerance") <= 1e-6]["elastic error"].min() > 0.98 and hasty["rigid error"] < loose["rigid error"]
     return locals()
