@@ -118,8 +118,11 @@ POINTS = (
      "section 3, Fig. 3", "agrees in part"),
     (6, "For loads above the shakedown limit but far from collapse, the material accumulates permanent strain at a constant but very small "
      "rate.", "section 3, Fig. 3", "agrees in part"),
-    (17, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown.",
-     "section 4", "agrees"),
+    (17, "A different behavior of the plastic response of a system simulated by a MD algorithm and a CD algorithm has been shown. The response of "
+     "the material is more apparent in the MD simulation", "section 4", "agrees"),
+    (22, "Three ranges of response can be differentiated in the figure.", "section 3, Fig. 3", "agrees in part"),
+    (25, "MD results have been compared with experimental triaxial tests data and a good correlation has been found [11]. No similar validation of "
+     "the CD method for the repetitive loading case has been reported yet", "section 4", "not decided"),
 )
 
 
