@@ -27,10 +27,11 @@ SERVO = fig3.SPRINGS | LOAD | dict(md_walls="servo", md_dt_factor=0.6)
 RIGID_ROW = fig3.RIGID | LOAD
 CHECK = {0.5: 1000, 2.0: 100}  # cycles of MD by period [s], in the study of a thousand cycles
 SERVO_COUNT = 300
-CHECKED = SOFT | SELDOM | dict(seed=1, cycles=2 * FEWER)  # the packing whose rate stays the same from cycle 1001 on
+CHECKED = SOFT | SELDOM | dict(seed=1)  # the packing whose rate stays the same from cycle 1001 on
+UNTIL = {0.5: 2 * FEWER, 2.0: 1500}  # cycles of its checks, by period
 USUAL, FINER = 0.1, 0.01  # tolerance
 CHECKS = ((1, FINER), (2, USUAL))  # what the late rates owe to tolerance and step: in how many parts a step is divided, and the tolerance
-APART = dict(seed=3, cycles=1000)  # the packing on which springs in Contact Dynamics and MD part after some hundred cycles
+APART = dict(seed=3, cycles=750)  # the packing on which springs in Contact Dynamics and MD part after some hundred cycles
 NO_SLIP = dict(friction=1.0, pressure_ratio=6e-3, period=2.0)  # where McNamara et al. (2008) see ratcheting without sliding
 NO_SLIP_COUNT, NO_SLIP_CHECK = 300, 100  # cycles by springs in Contact Dynamics and by MD, whose law causes it
 NO_SLIP_SEED = 2  # of the packing whose rate is the largest, for the same checks
@@ -38,7 +39,8 @@ ROWS = {"quick": [SOFT | dict(cd_dt=PERIODS[0] / SHARE, cycles=40, seed=1), RIGI
         "full": [row for period in PERIODS
                  for row in product(**SOFT | SELDOM | dict(period=period, cd_dt=period / SHARE, cycles=COUNT, seed=SEEDS))]
         + [RIGID_ROW | SELDOM | dict(cycles=COUNT, seed=SEEDS[0])] + product(**RIGID_ROW | SELDOM, cycles=FEWER, seed=SEEDS[1:])
-        + [CHECKED | dict(period=period, cd_dt=period / SHARE / parts, tolerance=tolerance) for period in PERIODS for parts, tolerance in CHECKS]
+        + [CHECKED | dict(period=period, cycles=UNTIL[period], cd_dt=period / SHARE / parts, tolerance=tolerance)
+           for period in PERIODS for parts, tolerance in CHECKS]
         + [CHECKED | APART | dict(cd_dt=PERIODS[0] / SHARE / parts, tolerance=tolerance) for parts, tolerance in CHECKS]
         + [fig3.SPRINGS | LOAD | SELDOM | APART | dict(md_dt_factor=fig3.SPRINGS["md_dt_factor"] / 2)]
         + [SOFT | SLOWEST | dict(seed=SEEDS[0])]
@@ -165,16 +167,16 @@ def quantities(table):
     same = glued[glued.packing == NO_SLIP_SEED]
     glued_checks = [mean_rate(of_step(same, *how), 20, NO_SLIP_COUNT) for how in ((2.0 / SHARE, FINER), (1.0 / SHARE, USUAL))]
     glued_md = mean_rate(same[same.medium == MD], 20, NO_SLIP_CHECK)
-    checks = {period: [mean_rate(of_step(checked[checked.period == period], period / SHARE / parts, tolerance), FEWER, 2 * FEWER)
+    checks = {period: [mean_rate(of_step(checked[checked.period == period], period / SHARE / parts, tolerance), FEWER, UNTIL[period])
                        for parts, tolerance in ((1, USUAL), *CHECKS)] for period in PERIODS}
     later_over_md = [(at[SPRINGS, 0.5, seed, FEWER] - at[SPRINGS, 0.5, seed, 100]) / (md[0.5][seed][FEWER] - md[0.5][seed][100]) for seed in SEEDS]
     known = publish.read_table(PUBLISHED / "thousand.csv")
     known = known[(known.law == "standard") & (known.period == PERIODS[0])].assign(packing=known.seed)
     # Rates are positive here where the sample goes on shortening, and negative in that study.
-    md_apart, error_apart = mean_rate(known[known.packing == APART["seed"]].assign(rate=lambda rows: -rows.rate), STANDING, 750)
+    md_apart, error_apart = mean_rate(known[known.packing == APART["seed"]].assign(rate=lambda rows: -rows.rate), STANDING, APART["cycles"])
     parted = table[(table.packing == APART["seed"]) & (table.period == PERIODS[0]) & (table.friction < 1)]
-    apart = {how: mean_rate(of_step(parted, PERIODS[0] / SHARE / how[0], how[1]), STANDING, 750) for how in ((1, USUAL), *CHECKS)}
-    half_apart = mean_rate(parted[parted.medium == MD], STANDING, 750)
+    apart = {how: mean_rate(of_step(parted, PERIODS[0] / SHARE / how[0], how[1]), STANDING, APART["cycles"]) for how in ((1, USUAL), *CHECKS)}
+    half_apart = mean_rate(parted[parted.medium == MD], STANDING, APART["cycles"])
     latest = max(late.rate.abs().max(), known[known["from cycle"] > STANDING].rate.abs().max())
     steady = {period: mean_rate(soft[(soft.period == period) & (soft.packing == CHECKED["seed"])], FEWER, COUNT) for period in PERIODS}
     creep = rigid[(rigid.packing == SEEDS[0]) & (rigid["from cycle"] > STANDING)]
@@ -183,4 +185,4 @@ def quantities(table):
     assert last["in cycle"].size == 6 and set(soft.outcome) == {"completed"}
     assert late.rate.abs().max() < soft[soft["to cycle"] <= 50].rate.min()
     return locals() | {name: globals()[name] for name in (
-        "CHECK", "CHECKED", "EVENT", "STANDING", "COUNT", "FEWER", "NO_SLIP_COUNT", "NO_SLIP_CHECK", "NO_SLIP_SEED")}
+        "APART", "CHECK", "CHECKED", "EVENT", "UNTIL", "STANDING", "COUNT", "FEWER", "NO_SLIP_COUNT", "NO_SLIP_CHECK", "NO_SLIP_SEED")}
