@@ -62,7 +62,7 @@ def _plugin():
         engine_methods.complete(getattr(wrapper, engine))
     wrapper.ContactDynamics.summary, wrapper.ContactDynamics.exportProblem = engine_methods.summary, engine_methods.exportProblem
     atexit.register(_report)
-    run_hooks.install(module)
+    run_hooks.install(module, ENGINES)
     return module
 
 

@@ -11,11 +11,8 @@ from . import engine_methods, failing, watching
 REPLACING = ("load", "loadTmp", "reload", "reset", "resetAllScenes", "resetCurrentScene", "resetThisScene", "stringToScene")
 
 
-OWN = ("ContactDynamics", "PathIndependentShear", "TangentialDashpots", "DashpotWork", "PlateLoads")
-
-
-def install(plugin):
-    """Replace these methods of YADE's O. plugin: the compiled module.
+def install(plugin, own):
+    """Replace these methods of YADE's O. plugin: the compiled module. own: names of its engines.
 
     O.run(n, True) and O.wait() tell the plug-in that the caller does not read the scene before they return; O.pause() tells it that the caller may.
     In between ContactDynamics writes to the scene only what other engines read, and everything at the end.
@@ -25,7 +22,7 @@ def install(plugin):
     checks = {}  # by the number of the scene
 
     def of_this_scene():
-        return checks.setdefault(O.thisScene, _EngineCheck(O, plugin))
+        return checks.setdefault(O.thisScene, _EngineCheck(O, plugin, own))
 
     def check():
         of_this_scene()()
@@ -129,8 +126,8 @@ class _EngineCheck:
     When springs and ContactDynamics take over from each other, colliders begin anew, and overlaps left by the springs count as touching again.
     """
 
-    def __init__(self, O, plugin):
-        self.O, self.plugin = O, plugin
+    def __init__(self, O, plugin, own):
+        self.O, self.plugin, self.own = O, plugin, own
         self.passed = []  # the engines of springs that ran last; none if ContactDynamics ran last
         self.rigid = False  # whether ContactDynamics ran last
         self.takers = []  # engines of ContactDynamics that have taken overlaps over; those of a loaded scene tell by handoverOverlap
@@ -140,7 +137,7 @@ class _EngineCheck:
         names = [type(engine).__name__ for engine in live]
         for slave in engine_methods.slaves(live):
             inside = "cd_engine.watch()" if getattr(slave, "command", "").startswith(watching.COMMAND) else type(slave).__name__
-            if inside == "cd_engine.watch()" or inside in OWN:
+            if inside == "cd_engine.watch()" or inside in self.own:
                 raise RuntimeError(f"{inside} stands in a ParallelEngine; there any error that it raises ends YADE. Put it into O.engines itself")
         if "ContactDynamics" in names:
             if self.O.periodic:  # YADE's collider would end the program if there are boundaries

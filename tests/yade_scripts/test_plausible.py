@@ -11,6 +11,7 @@ from yade_scripts.running import plausible
     ({"scene": "stack", "gravity": 98100.0}, "gravity"),
     ({"scene": "stack", "method": "CD", "cd_dt": 0.05}, "lower records_per_cycle"),
     ({"scene": "stack", "method": "CD", "method_cd": "nsgs", "fixed_iterations": 5}, "no effect with fixed_iterations = 5"),
+    ({"method": "MD", "tangential_damping": 1.0, "beta_n": 0.0}, "no effect without normal dashpots"),
     ({"scene": "incline", "slope": 0.5236}, "radians"), ({"period": 1e-3}, "like an impact")])
 def test_other_units_are_doubted(row, words):
     found = plausible.doubts(parameters.complete(row))

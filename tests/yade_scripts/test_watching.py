@@ -30,6 +30,15 @@ def test_rows_beyond_the_limit_end_as_unstable(yade60, row, words):
     assert 0.03 < float(would_do) < row[name]
 
 
+def test_the_step_that_would_do_does(yade60):
+    """With strong tangential dashpots, too, which lower the limit."""
+    row = dict(method="MD", disks=60, tangential_damping=2.0, beta_n=0.5, loading="cosine", period=1.0, records_per_cycle=50)
+    yade60.script("run.py", *(f"{name}={value}" for name, value in row.items()))
+    outcome = reader.load(results.path_of(parameters.complete(row), yade60.folder / "results"), finished=False).outcome
+    would_do, = re.findall(r"md_dt_factor = 0.2 is too long, ([\d.]+) would do", outcome)
+    assert yade60.load(**row | {"md_dt_factor": float(would_do)}).finished
+
+
 def test_a_step_below_the_limit_finishes(yade60):
     """With weaker dashpots the limit of the contacts is above 0.6."""
     assert yade60.load(**SOFT | dict(scene="drum", md_dt_factor=0.6, beta_n=0.2, period=1.0)).finished
