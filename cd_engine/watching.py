@@ -9,6 +9,7 @@ A check finds what no valid simulation has:
     numbers  a position or a velocity is not finite
 It reads the scene and changes nothing in it.
 """
+import contextlib
 import math
 import numbers
 
@@ -224,6 +225,14 @@ def of_scene(observers=()):
 def forget():
     """Forget what has been seen: O has another scene."""
     _watches.clear()
+
+
+@contextlib.contextmanager
+def kept():
+    """Within, O.load gives back the scene that is watched: what has been seen of it still counts."""
+    known = dict(_watches)
+    yield
+    _watches.update(known)
 
 
 def fire(observers, most):

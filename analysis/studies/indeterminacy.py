@@ -36,7 +36,6 @@ ADMISSIBLE = 1e-4
 # Contacts at which the walk's range is compared with the exact one, by two linear programmes each; the first seed of the smaller packings.
 PROBED = 8
 OWN, DENSE = "near the rigid limit", "dense, P0 = 6e-4 k_n"
-SAMPLES = ("samples from mean, 5 %", "samples from mean, 95 %")
 SHOWN = {OWN: OWN, DENSE: r"dense, $P_0=6\cdot10^{-4}k_n$"}  # their words in the figure
 
 
@@ -70,8 +69,7 @@ def _row(run, probed):
         "unconverged": (~run.extra["converged"]).sum(), "largest violation used": worst[use].max(),
         "eta": ambiguity(networks), "eta first half": ambiguity(networks[:half]), "eta second half": ambiguity(networks[half:]),
         "springs from mean": distance(networks, springs) if dimension else np.nan,
-        "cold start from mean": distance(networks, cold) if dimension else np.nan, **nearer(networks, springs, cold, dimension),
-        "springs within range": within(networks, springs),
+        "cold start from mean": distance(networks, cold) if dimension else np.nan, "springs within range": within(networks, springs),
         "walk's range over the exact": coverage(snapshot, load, normal[use]) if probed and dimension else np.nan}
 
 
@@ -88,15 +86,6 @@ def _spread(networks):
 def distance(networks, forces):
     """Return the distance of forces from the mean of `networks`, over all contacts, in units of the samples' own rms distance."""
     return np.sqrt(((forces - networks.mean(axis=0))**2).sum()) / np.sqrt((_spread(networks)**2).sum())
-
-
-def nearer(networks, springs, cold, dimension):
-    """Return the shares of the samples that lie nearer to their mean than the forces of springs and those that the solver finds from none, and
-    between which distances nine in ten samples lie; NaN where the forces are unique."""
-    own = np.array([distance(networks, sample) for sample in networks]) if dimension else np.full(len(networks), np.nan)
-    share = lambda forces: (own < distance(networks, forces)).mean() if dimension else np.nan
-    return {"samples nearer than springs": share(springs), "samples nearer than cold start": share(cold),
-            "samples from mean, 5 %": np.quantile(own, 0.05), "samples from mean, 95 %": np.quantile(own, 0.95)}
 
 
 def within(networks, forces):
@@ -125,18 +114,17 @@ def draw(runs, rows, path):
         mine = table[table.packing == packing]
         if mine.empty:
             continue
-        medians = mine.groupby("at")[["eta", "dimension", "springs from mean", "cold start from mean", *SAMPLES]].agg(
+        medians = mine.groupby("at")[["eta", "dimension", "springs from mean", "cold start from mean"]].agg(
             lambda values: np.median(values))  # none where one packing has no value
         axes[0].plot(mine["at"], mine.eta, ls="", ms=4, alpha=0.5, **look)
         _line(axes[0], medians.eta, least, color=look["color"], label=SHOWN[packing])
         _line(axes[1], medians.dimension, least, label=SHOWN[packing], **look)
         _line(axes[2], medians["springs from mean"], least, label=f"springs; {SHOWN[packing]}", **look)
         _line(axes[2], medians["cold start from mean"], least, ls="--", mfc="none", label=f"solver from no forces; {SHOWN[packing]}", **look)
-        axes[2].fill_between(medians.index, *(medians[name] for name in SAMPLES), color=look["color"], alpha=0.2, lw=0)
     if len(rough := table[(table.packing == OWN) & (table.mu > 0)]):
         mu, eta = rough.mu.min(), rough.groupby("mu").eta.median().iloc[0]
         axes[0].plot([mu, 0.1], [eta, eta * 0.1 / mu], color="0.5", ls=":", label=r"$\propto\mu$")
-    axes[2].axhline(1, color="0.5", ls=":", label="samples (rms; bands: nine in ten)")
+    axes[2].axhline(1, color="0.5", ls=":", label="samples (rms)")
     for axis, label in zip(axes, (r"ambiguity $\eta=\langle\delta F\rangle/\langle|F|\rangle$", "dimension of the set of forces",
                                   "distance from the ensemble's mean\n/ rms of the samples")):
         axis.set(xscale="log", xlabel=r"friction $\mu$  (left edge: $\mu$ = 0)", ylabel=label)

@@ -177,6 +177,7 @@ def quantities(table):
     parted = table[(table.packing == APART["seed"]) & (table.period == PERIODS[0]) & (table.friction < 1)]
     apart = {how: mean_rate(of_step(parted, PERIODS[0] / SHARE / how[0], how[1]), STANDING, APART["cycles"]) for how in ((1, USUAL), *CHECKS)}
     half_apart = mean_rate(parted[parted.medium == MD], STANDING, APART["cycles"])
+    assert apart[2, USUAL][0] > 3 * apart[1, USUAL][0] and abs(half_apart[0] - md_apart) < half_apart[1]  # CD's step decides, MD's does not
     latest = max(late.rate.abs().max(), known[known["from cycle"] > STANDING].rate.abs().max())
     steady = {period: mean_rate(soft[(soft.period == period) & (soft.packing == CHECKED["seed"])], FEWER, COUNT) for period in PERIODS}
     creep = rigid[(rigid.packing == SEEDS[0]) & (rigid["from cycle"] > STANDING)]

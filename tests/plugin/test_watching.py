@@ -6,7 +6,7 @@ import pytest
 from yade import utils, wrapper as w
 
 import cd_engine
-from cd_engine import springs
+from cd_engine import springs, watching
 
 from . import plane
 
@@ -233,3 +233,16 @@ def test_it_does_not_stand_in_a_parallel_engine(O):
     O.engines = spring_engines((0, -9.81, 0)) + [w.ParallelEngine([cd_engine.watch()])]
     with pytest.raises(RuntimeError, match="watch.. stands in a ParallelEngine"):
         O.run(1, True)
+
+
+def test_what_was_seen_counts_after_a_checkpoint(O, tmp_path):
+    """A run that goes through O.save and O.load is the same run: its energy is compared with what there was at its start."""
+    held(O, 0.5)
+    O.run(100, True)
+    seen = watching.of_scene()
+    O.save(str(tmp_path / "scene.yade.gz"))
+    with watching.kept():
+        O.load(str(tmp_path / "scene.yade.gz"))
+    assert seen.start is not None and watching.of_scene() is seen
+    O.load(str(tmp_path / "scene.yade.gz"))
+    assert watching.of_scene() is not seen

@@ -19,6 +19,7 @@ import zipfile
 
 from yade import O, config
 
+from cd_engine import watching
 from yade_scripts import results
 from yade_scripts.results import sealed
 from yade_scripts.running import hooks, md, saved_scene
@@ -89,7 +90,8 @@ class Checkpoints:
             archive.writestr(RECORD, record)
             archive.writestr(MEMORY, json.dumps(memory))
         sealed.replace(self.path, content.getvalue())
-        self.resume({SCENE: scene, MEMORY: json.loads(json.dumps(memory))}, recorder)
+        with watching.kept():
+            self.resume({SCENE: scene, MEMORY: json.loads(json.dumps(memory))}, recorder)
 
     def resume(self, parts, recorder):
         """Load the parts of a checkpoint, including the values that O.load does not restore. The scene of the run must have been built in O."""
