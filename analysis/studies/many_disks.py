@@ -151,5 +151,7 @@ def quantities(table):
     window = table[table.window_seconds.notna() & (table.period == WINDOW)]
     scenes = ("hopper", "drum", "collapse")
     fine, stiff = (pandas.DataFrame([pick(window, scene, settings) for scene in scenes], index=scenes) for settings in (FINE, STIFF))
-    return {"fine": fine, "stiff": stiff, "silo": pick(table, "hopper", COARSE), "column": pick(window, "collapse", MEDIUM),
-            "rigid": pick(table, "filling", FINE), "window": WINDOW}
+    whole = table[table.period > WINDOW].set_index("scene")
+    fillings = table[table.scene == "filling"].to_dict("records")  # of those that stayed physical
+    assert len(fillings) < 2 and "hopper" not in whole.index and stiff.window_last.drum < fine.window_last.drum
+    return {"fine": fine, "stiff": stiff, "column": whole.loc["collapse"], "fillings": fillings, "window": WINDOW}
