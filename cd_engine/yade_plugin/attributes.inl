@@ -11,7 +11,7 @@ CD_ATTRIBUTE(double, flowTolerance, 0, within(0, 1),
     "*tolerance*. "
     ":py:func:`cd_engine.engines` sets it to 1e-4 if it is given no tolerance. Assign it after *tolerance*.")
 CD_ATTRIBUTE(int, maxIterations, 20000, within(1, most),
-    "Sweeps and factorizations after which a step is left unconverged [1]; in space up to 50 more, if they are more than 500, for a search that helps "
+    "Sweeps and factorizations after which a step is left unconverged [1]; in space the last 50, if they are more than 500, serve a search that helps "
     "lattices; up to a tenth more if the step has to be solved again, because further pairs have closed or, with *restitution*, because rebounds would "
     "create energy or leave no solution.")
 CD_ATTRIBUTE(int, fixedIterations, 0, within(0, most),

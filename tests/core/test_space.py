@@ -136,15 +136,6 @@ def test_spheres_are_swept_over_their_bodies(method):
     assert len(found) == 1
 
 
-def test_all_sweeps_that_are_allowed_are_made():
-    """A problem that takes n sweeps is solved with n of them: what else is tried after a failure costs it none."""
-    bodies = space_scenes.scene("spheres", 300, 0.3, 1, 1e3)
-    needed = core.solve(bodies, "nsgs", 1e-6).iterations
-    assert needed > 500  # from here on closing gaps is tried, too
-    found = core.solve(bodies, "nsgs", 1e-6, max_iterations=needed)
-    assert found.converged and found.iterations == needed and not core.solve(bodies, "nsgs", 1e-6, max_iterations=needed - 500).converged
-
-
 def test_bodies_and_rows_have_one_solution():
     """Spheres in a row, and a loaded wall that moves along its normal only."""
     n, draw = 6, np.random.default_rng(2)

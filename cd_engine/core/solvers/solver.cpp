@@ -81,8 +81,12 @@ namespace {
 		std::swap(system, other);
 	}
 
-	// Sweeps that tryClosed may take, also beyond maxIterations if these are many: where it helps at all it needs few.
+	// Sweeps that are kept for tryClosed, which needs few where it helps at all; only where many are allowed.
 	constexpr int forClosed = 50;
+	template <class System> int keptForClosed(const SolverSettings& s)
+	{
+		return std::is_same_v<System, ContactSystem<Space3>> && s.fixedIterations == 0 && s.maxIterations > 10 * forClosed ? forClosed : 0;
+	}
 
 	// Gaps that errors of earlier steps have left, far below the tolerance, may not let all loaded contacts stay closed and stick at once. The
 	// impulses then move along a self-stress for 1e4 sweeps and more (accelerated.cpp), as in lattices of equal spheres. With these gaps closed
@@ -90,8 +94,7 @@ namespace {
 	// solves such steps.)
 	void tryClosed(ContactSystem<Space3>& system, const Start& start, const SolverSettings& settings, SolverReport& report)
 	{
-		const bool ended = report.status == Status::max_iterations && settings.maxIterations > 10 * forClosed;
-		if ((report.status != Status::stagnated && !ended) || settings.fixedIterations > 0 || system.contacts.compliant)
+		if ((report.status != Status::stagnated && report.status != Status::max_iterations) || system.contacts.compliant)
 			return;
 		system.contacts.make();
 		const Borrowed<ContactSystem<Space3>> copy(system.memory);
@@ -112,7 +115,7 @@ namespace {
 			return;
 		SolverSettings finer = settings;
 		finer.tolerance *= refinement; // the guess has about the error that was asked for
-		finer.maxIterations = report.iterations + forClosed;
+		finer.maxIterations = std::min(settings.maxIterations, report.iterations + forClosed);
 		SolverReport closed = goOn<ContactSystem<Space3>>(other, start, finer, report, nsgs);
 		report.iterations = closed.iterations;
 		for (std::size_t i = 0; i < system.contacts.size(); i++)
@@ -225,7 +228,9 @@ namespace {
 		const Start start(system, settings.threads);
 		SolverSettings part = settings;
 		part.start = &start;
-		SolverReport report = goOn<System>(system, start, part, {}, method);
+		SolverSettings first = part;
+		first.maxIterations -= keptForClosed<System>(part);
+		SolverReport report = goOn<System>(system, start, first, {}, method);
 		tryClosed(system, start, part, report);
 		tryPlain<System>(system, start, part, report, method);
 		if (settings.fixedIterations > 0)
