@@ -92,8 +92,6 @@ def quantities(table):
     below_md, below_cd = (below[below.medium == medium] for medium in ("MD", "springs"))
     worst_cd = below_cd.loc[below_cd[last].idxmax()]
     loose_mean = packings[(packings["stress path"] == "mean") & (packings["preparation friction"] > 0)]
-    to_melan = (springs.dSigma / springs.shakedown).groupby([springs["stress path"], springs["preparation friction"], springs.seed])
-    nearest = to_melan.agg(lambda own: own[own < 1].max()), to_melan.agg(lambda own: own[own > 1].min())
 
     def by_load(rows):
         """Return the rows of springs in CD from the alternating to Melan's limit, from Koiter's to half the static limit, and from there on."""

@@ -139,11 +139,9 @@ def quantities(table):
     frail = pairs[(pairs["stress path"] == "mean") & (pairs["preparation friction"] > 0) & (pairs.dSigma == 0.3)].set_index("seed")
     loose_lives = (frail[f"{after} CD"] / frail[f"{after} MD"]).dropna()  # of the packings that collapse by both methods
     loosest = md[(md["preparation friction"] > 0) & (md.dSigma == 0.1)]
-    loose = md[(md["preparation friction"] > 0) & ((md.ratio - 1.5).abs() < 1e-9)].set_index(["stress path", "seed"])
     same = constant[constant.dSigma == 0.5]  # sigma2/sigma1 goes to 1.5, as in at[0.2]
-    start, alike = at[0.2]["first cycle"] / same["first cycle"], at[0.2][gamma] / same[gamma]
-    loosely = loose.loc["mean", gamma] / loose.loc["constant", gamma]
-    gentle, close = table[table.ratio < 1.51], md[md[load].between(1.1, 1.3)].groupby("preparation friction").falls
+    start = at[0.2]["first cycle"] / same["first cycle"]
+    gentle = table[table.ratio < 1.51]
     within, severe = ({name: rows[rows.ratio.between(*both)].falls for name, rows in (("md", md), ("cd", cd))} for both in ((1.55, 1.75), (1.79, 9)))
     below, above = pairs[pairs["load over limit MD"] < 1], pairs[pairs["load over limit MD"] > 1]
     most = "sliding at most, {} cycle".format
@@ -154,5 +152,5 @@ def quantities(table):
     slow, severest = (constant[constant.dSigma == several] for several in (0.4, 0.8))
     detour = at[0.3][after] / severest[after]
     assert not gentle.falls.any() and not low.falls.any() and not at[0.2].falls.any() and not (above["falls CD"] & ~above["falls MD"]).any()
-    assert all(at[several].falls.all() for several in (0.3, 0.4, 0.5)) and len(alike) == len(loosely) == 5
+    assert all(at[several].falls.all() for several in (0.3, 0.4, 0.5))
     return locals()

@@ -165,7 +165,6 @@ def quantities(table):
     rows = table.set_index(["method", *keys]).sort_index()
     md, cd = rows.loc["MD"], rows.loc["CD"]
     start = md[first].groupby(level=keys[:3]).median()
-    paths = {name: (rows[name].xs("mean", level="stress path") / rows[name].xs("constant", level="stress path")).dropna() for name in (first, last)}
     rates = {rate: rows.xs(rate, level="ramp rate")["load at |gamma| = 0.01"] for rate in (0.05, 0.1, 0.2)}
     change = {rate: (loads / rates[USUAL] - 1).abs().max() for rate, loads in rates.items()}
     at = {level: (md[f"load at |gamma| = {level}"], cd[f"load at |gamma| = {level}"]) for level in ("0.0001", "0.001", "0.01", "0.1")}

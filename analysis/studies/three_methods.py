@@ -206,7 +206,6 @@ def quantities(table):
     first, late = (_pairs(below[SPRINGS], below[MD], name) for name in ("first cycle", "rate"))
     half_late = _pairs(stepped(LATE), of(LATE, MD), "rate")
     law_late = _pairs(other(LATE), of(LATE, MD), "rate")
-    rests = below[RIGID][["first cycle", "rate"]].abs().max().max()
     lives = {load: {medium: of(COLLAPSE, medium)[lambda rows: rows.dSigma == load] for medium in (MD, SPRINGS, RIGID)} for load in LIVES}
     standing = {load: {medium: int(rows.stands.notna().sum()) for medium, rows in own.items()} for load, own in lives.items()}
     medians = {load: {medium: rows["collapses after"].fillna(rows.stands).median() for medium, rows in own.items()} for load, own in lives.items()}

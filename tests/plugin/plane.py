@@ -28,6 +28,19 @@ def disk(position, radius, mass=1.0, blocked="zXY", velocity=(0, 0), spin=0.0, m
     return yade.O.bodies.append(body)
 
 
+def viscous_springs(stiffness, ratio, damping, mu):
+    """Give all bodies a material with dashpots and friction. Return the engines up to InteractionLoop; stiffness: k_n [N/m], ratio: k_t/k_n, damping:
+    beta_n."""
+    material = w.FrictViscoMat(betan=damping, density=1000, frictionAngle=math.atan(mu))
+    for body in yade.O.bodies:
+        body.material = material
+    kn, kt_over_kn = (w.MatchMaker(algo="val", val=value) for value in (stiffness, ratio))
+    return [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=1e-3),
+            w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()],
+                              [w.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=kn, kRatio=kt_over_kn)],
+                              [w.Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()])]
+
+
 def floor(mat=None):
     """Append a fixed Wall at y = 0. Return its id."""
     return yade.O.bodies.append(utils.wall(0, axis=1, material=material() if mat is None else mat))

@@ -20,16 +20,7 @@ def test_an_impact_loses_what_the_dashpot_takes(O, speed, damping):
     plane.disk((2.0001 * radius, 0), radius)
     O.bodies[1].state.vel = (-speed, 0, 0)
     mass = O.bodies[0].state.mass
-    material = w.FrictViscoMat(betan=damping, density=O.bodies[0].material.density, frictionAngle=0.0)
-    for body in O.bodies:
-        body.material = material
-    O.engines = [
-        w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()], verletDist=1e-3),
-        w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()],
-                          [w.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=w.MatchMaker(algo="val", val=stiffness),
-                                                                            kRatio=w.MatchMaker(algo="val", val=0.5))],
-                          [w.Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
-        cd_engine.DashpotWork(label="dashpots"), w.NewtonIntegrator(damping=0)]
+    O.engines = plane.viscous_springs(stiffness, 0.5, damping, 0.0) + [cd_engine.DashpotWork(label="dashpots"), w.NewtonIntegrator(damping=0)]
     contact = math.pi * math.sqrt(mass / 2 / stiffness / (1 - damping**2))
     O.dt = contact / 2000
     O.run(int(2e-6 / speed / O.dt) + 2300, True)

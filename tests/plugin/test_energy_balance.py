@@ -1,5 +1,4 @@
 """What each method counts as dissipated is what the kinetic and potential energy have lost, on every shape."""
-import math
 
 import pytest
 from yade import wrapper as w
@@ -47,15 +46,7 @@ def test_contact_dynamics(O, shape, spins):
 def test_springs(O, shape, spins, damping):
     """To first order of the step: slip and dashpots together with what the springs of the contact hold."""
     disk = slide(O, shape, spins, overlap=0.5 * MASS * G / KN)  # it swings
-    value = lambda number: w.MatchMaker(algo="val", val=number)
-    for body in O.bodies:
-        body.material = w.FrictViscoMat(betan=damping, frictionAngle=math.atan(0.3))
-    O.engines = [
-        w.ForceResetter(),
-        w.InsertionSortCollider([w.Bo1_Sphere_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Wall_Aabb()], verletDist=1e-3),
-        w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom(), w.Ig2_Box_Sphere_ScGeom(), w.Ig2_Wall_Sphere_ScGeom()],
-                          [w.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=value(KN), kRatio=value(KS / KN))],
-                          [w.Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
+    O.engines = plane.viscous_springs(KN, KS / KN, damping, 0.3) + [
         cd_engine.PathIndependentShear(), cd_engine.DashpotWork(), w.NewtonIntegrator(damping=0, gravity=(0, -G, 0))]
     O.dt = 1e-5
     O.run(1, True)

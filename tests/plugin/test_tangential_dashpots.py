@@ -19,16 +19,7 @@ def pair(O, mu, damping, ratio):
     plane.disk((0, (2 - PRESSED) * RADIUS), RADIUS)
     O.bodies[0].state.blockedDOFs = "xyzXYZ"
     O.bodies[1].state.blockedDOFs = "yzXYZ"
-    material = w.FrictViscoMat(betan=damping, density=O.bodies[0].material.density, frictionAngle=math.atan(mu))
-    for body in O.bodies:
-        body.material = material
-    O.engines = [
-        w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()], verletDist=1e-3),
-        w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()],
-                          [w.Ip2_FrictViscoMat_FrictViscoMat_FrictViscoPhys(kn=w.MatchMaker(algo="val", val=STIFFNESS),
-                                                                            kRatio=w.MatchMaker(algo="val", val=RATIO))],
-                          [w.Law2_ScGeom_FrictViscoPhys_CundallStrackVisco()]),
-        cd_engine.TangentialDashpots(ratio=ratio), w.NewtonIntegrator(damping=0)]
+    O.engines = plane.viscous_springs(STIFFNESS, RATIO, damping, mu) + [cd_engine.TangentialDashpots(ratio=ratio), w.NewtonIntegrator(damping=0)]
     mass = O.bodies[1].state.mass
     omega = math.sqrt(RATIO * STIFFNESS / mass)
     O.dt = 1e-3 / omega
