@@ -72,8 +72,8 @@ def draw(runs, rows, path):
                        label=r"MD's largest $|\gamma|$ times $k_n/\kappa$")
         panels[1].legend()
     style.finish(fig, path, "Bars: from the smallest to the largest of three packings, about their mean; points without bars are of one packing. "
-                 "Dotted: what Unger and Kertesz (2002) expect, contacts of stiffness kappa = q m N/dt^2 after N sweeps a step dt (m: mass of a disk, "
-                 f"q = {effective_medium.RELAXATION:.2g}).",
+                 "Dotted: what Unger and Kertesz (2002) expect, contacts of stiffness kappa = q m N/dt^2 after N sweeps a step dt (m: mass of a "
+                 f"disk, q = {effective_medium.RELAXATION:.2g}).",
                  [run for run in runs if _key(run)[0] != BY_STEP])
 
 
