@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import jinja2
+import markdown
 from markupsafe import Markup, escape
 from PIL import Image
 
@@ -38,7 +39,7 @@ def build(folder, path, published=False, faults=None):
         raise ResultError(folder, "holds no study", "; ".join(["make them with `make study`", *unread]))
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=jinja2.StrictUndefined,
                                      trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"short": provenance.short, "number": lambda value: f"{value:.2g}", "symbols": symbols, "block": _block}
+    environment.filters |= {"short": provenance.short, "number": lambda value: f"{value:.2g}", "symbols": symbols, "block": block}
     there, points = {study["name"] for study in studied}, []
     for name in names:
         try:
@@ -54,6 +55,8 @@ def build(folder, path, published=False, faults=None):
         charts=_readable(charts.ORDER, folder / charts.FOLDER, unread, lambda name: _chart(name, folder / charts.FOLDER, link)),
         broken=[*broken, *dict.fromkeys(unread)],
         points=sorted(points),
+        balance={method: max(errors, key=lambda one: one[0]) for method in ("MD", "CD")
+                 if (errors := [(one["energy_balance"][method]["largest"], one) for one in studied if method in one["energy_balance"]])},
         sliding_margin=f"{schema.SLIDING_MARGIN:g}", causes=causes, processes=processes, note=note,
         commits=sorted({commit for study in studied for commit in study["commits"]}),
         yade=sorted({one for study in studied for one in study["yade"]}),
@@ -105,7 +108,7 @@ def _figure(path):
     """Return a picture for the page, with fewer pixels and colours than the file, and its caption, which the page shows as text instead."""
     try:
         with Image.open(path) as image:
-            caption, origin, foot = (image.info.get(name, "") for name in (style.CAPTION, "Description", style.FOOT))
+            caption, foot = (image.info.get(name, "") for name in (style.CAPTION, style.FOOT))
             image = image.convert("RGB").crop((0, 0, image.width, image.height - int(foot or 0)))
             image.thumbnail((MOST_PIXELS, 4 * MOST_PIXELS), Image.LANCZOS)
             small = io.BytesIO()
@@ -113,8 +116,7 @@ def _figure(path):
             image.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
     except (OSError, ValueError) as error:
         raise ResultError(path, f"is no picture ({error})", "make it again") from None
-    return {"picture": f"data:image/png;base64,{base64.b64encode(small.getvalue()).decode()}", "caption": caption,
-            "solved": origin.partition("; ")[2]}
+    return {"picture": f"data:image/png;base64,{base64.b64encode(small.getvalue()).decode()}", "caption": caption}
 
 
 # Words of the plain texts and the symbols that replace them on the page; longer ones first. The word joiners around gamma keep |gamma| on one line.
@@ -126,16 +128,16 @@ _SYMBOLS = ((r"\*\*([^*]+)\*\*", r"<b>\1</b>"), (r"`(.+?)`", r"<code>\1</code>")
 
 
 def symbols(text):
-    """Return plain text with the field's symbols for their names, powers of ten as such, and what stands between ** in bold letters."""
-    html = str(escape(text))
+    """Return a line of plain text with the field's symbols for their names, powers of ten as such, and what stands between ** in bold letters."""
+    return _symbols(escape(text))
+
+
+def block(text):
+    """Return a paragraph, list or table in Markdown as HTML, with the same symbols."""
+    return _symbols(markdown.markdown(text, extensions=["tables", "sane_lists"]))
+
+
+def _symbols(html):
     for pattern, symbol in _SYMBOLS:
-        html = re.sub(pattern, symbol, html)
+        html = re.sub(pattern, symbol, str(html))
     return Markup(html)
-
-
-def _block(text):
-    """Return a paragraph, or a list if its lines begin with "- "."""
-    first, *others = text.split("\n- ")
-    if not first.startswith("- "):
-        return Markup(f"<p>{symbols(text)}</p>")
-    return Markup("<ul>" + "".join(f"<li>{symbols(item)}</li>" for item in (first[2:], *others)) + "</ul>")

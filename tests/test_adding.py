@@ -65,7 +65,7 @@ def searches(full):
     return [Search({"y": 1.0}, "x", 1.0, 8.0, 1.1)]
 
 
-MAP = Map(group="Where numbers fail", title="Too large", question="When is x too large?", criterion="x above 3.", remedy="Take less.",
+MAP = Map(title="Too large", question="When is x too large?", criterion="x above 3.", remedy="Take less.",
           x=Axis("x", "x"), y=Axis("y", "y"), measures={"x": "itself"}, grid=grid, searches=searches)
 
 
@@ -107,7 +107,7 @@ def test_a_new_study_scene_and_map_are_run_drawn_and_reported(copy):
     assert "map_too_large.png" in said and "work_precision-free_fall.png" in said
     run(copy, "analysis", "report", "--quick", "-o", "page.html")
     page = (copy / "page.html").read_text(encoding="utf-8")
-    assert "A falling disk" in page and "As fast as gravity says." in page and "Too large" in page and "Free fall of a disk" in page
+    assert "A falling disk" in page and "As fast as gravity says." in page and "Too large" in page and ">free_fall</a>" in page
     assert "falls" in (copy / "figures/quick/charts/by_kind.csv").read_text()
 
 

@@ -13,8 +13,7 @@ from yade_scripts.errors import ResultError
 
 TITLE = "Where each method fails"
 LACKING = "no boundary was searched to its end"
-QUESTION = ("Up to which steps, sweeps, tolerances, masses, heights and speeds does each method work, where is the boundary in theory, and does the "
-            "program warn when it is crossed?")
+QUESTION = "Up to which steps, sweeps, tolerances, masses and speeds does each method work, and does the program warn beyond?"
 
 
 def quantities(table):
@@ -118,7 +117,7 @@ def draw(several, folder, line):
     for found in several:
         publish.write_table(folder / f"map_{found.name}.csv", found.rows)
         _draw(found, folder / f"map_{found.name}.png", line)
-    return {f"map_{found.name}.png": f"{found.map.group}: {found.map.title}" for found in several}
+    return {f"map_{found.name}.png": found.map.title for found in several}
 
 
 def _draw(found, path, line):

@@ -9,8 +9,7 @@ from analysis.style import plt
 
 TITLE = "Speed against accuracy, over all scenes"
 LACKING = "no scene was measured by both methods"
-QUESTION = ("Which method, and which way of refining it, solves most scenes to a given accuracy, and how much slower than the fastest is it there? "
-            "Only scenes that MD and rigid contacts can run count.")
+QUESTION = "Which method, and which way of refining it, solves most scenes that both can run, and how much slower than the fastest is it?"
 BEST = {"MD": "MD, best of all", "CD": "CD, best of all", table.SPRINGS: "springs in CD, best of all"}
 BOTH = {"MD", "CD"}
 # Seven curves at most: the best of each method, and what people refine first.

@@ -8,8 +8,7 @@ from analysis.style import plt
 from yade_scripts import parameters, scenes
 
 TITLE = "Speed against accuracy, scene by scene"
-QUESTION = ("How long does each method compute to reach a given accuracy? Only the time of the steps counts, not that of start-up, building the "
-            "scene and output.")
+QUESTION = "How long does each method compute to reach a given accuracy? Only the time of the steps counts."
 FLOOR = 1e-16  # where an error of zero is drawn
 # A colour and a marker of its own for each series. MD full lines, CD dashed.
 LOOK = {"MD step": (style.BLUE, "o"), "MD stiffness": (style.SKY, "s"), "MD stiffness, fine step": (style.GREEN, "D"), "MD damping": (style.INK, "*"),
@@ -28,7 +27,7 @@ def draw(rows, folder, line):
     for name, own in table.one_size(rows).groupby("scene", sort=False):
         scene, file = scenes.module(name), f"work_precision-{name}.png"
         _draw(own, scene, folder / file, line)
-        titles[file] = scene.TITLE
+        titles[file] = name
     return titles
 
 

@@ -157,21 +157,17 @@ def standing(table, case, load):
 
 def quantities(table):
     hard_rigid, hard_springs, stiff, period = "rigid, packing of 10 k_n", "springs, 10 k_n", STIFF["stiffening"], SLOW["period"]
-    soft, hard, slow, servo, step, fine, hard_step, between, between_fine, stiff_springs, slowly = (times(table, *pair) for pair in (
-        ("rigid", "springs"), (hard_rigid, hard_springs), ("rigid, 2 s", "springs, 2 s"), ("springs, servo for walls", "springs"),
-        ("rigid, step / 5", "rigid"), ("rigid, step / 5", "springs"), (f"{hard_rigid}, step / 5", hard_rigid),
-        ("rigid", "springs, servo for walls"), ("rigid, step / 5", "springs, servo for walls"), (hard_springs, "springs"),
+    soft, hard, servo, step, fine, between, stiff_springs, slowly = (times(table, *pair) for pair in (
+        ("rigid", "springs"), (hard_rigid, hard_springs), ("springs, servo for walls", "springs"),
+        ("rigid, step / 5", "rigid"), ("rigid, step / 5", "springs"), ("rigid", "springs, servo for walls"), (hard_springs, "springs"),
         ("springs, 2 s", "springs")))
     others = [times(table, f"{base}, {change}", base) for base, change in (
         ("rigid", "tolerance 1e-6"), ("rigid", "other forces"), (hard_rigid, "tolerance 1e-6"), (hard_rigid, "other forces"), ("springs", "step / 3"),
         ("springs", "damping x 3"), ("springs", "path-independent law"), (hard_springs, "path-independent law"))]
     loose, networks, law = others[0], others[1], others[6]
-    single = pandas.concat([change.loc[0.3] for change in others])
     shown = {name: [standing(table, name, load) for load in LOADS] for name in (*MAIN, FINE)}
     long = table[table.case.isin(("springs, 2 s", "rigid, 2 s"))]["collapses after"]
     above = table[table.dSigma == 0.4].groupby("case")["seconds above the limit"].median()
-    tried = table[(table.case == FINE) & (table.dSigma == 0.3)].seed
-    same_few = standing(table[table.seed.isin(tried)], "rigid", 0.3)[2]
 
     def chance(one, other):
         """Return McNemar's exact p (dSigma = 0.3, both sides): of the packings that stand to the end in one of two cases only, as many are of one of

@@ -12,7 +12,7 @@ from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
-TITLE = "Does the choice of contact forces decide when rigid grains yield?"
+TITLE = "Do the forces at the start decide when rigid grains yield?"
 QUESTION = "Packings are loaded from several sets of admissible contact forces each."
 ORDER = 6  # in the report
 RAMP = dict(tolerance=1e-8, md_walls="force", loading="ramp", ramp_rate=0.2, period=6.0, cd_dt=5e-3, collapse_strain=0.02)
@@ -121,8 +121,7 @@ def draw(runs, rows, path):
 
 
 POINTS = (
-    (2, "In CD, the granular packing has access to any possible force network, whereas in MD, its choice is restricted, because the forces can "
-     "only be modified by small motions of the grains.", "sections 2.3 and 4", "agrees"),
+    (2, "in MD, its choice is restricted, because the forces can only be modified by small motions of the grains.", "sections 2.3 and 4", "agrees"),
     (19, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "agrees in part"),
     (20, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part"),
 )

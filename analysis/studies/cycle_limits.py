@@ -6,9 +6,8 @@ from analysis import cycles, limits, slip, style, summary
 from analysis.style import plt
 from yade_scripts.tables import product
 
-TITLE = "Is there a load below which slip stops, and can it be computed?"
-QUESTION = ("Limits of the load from linear programmes (python3 -m analysis limits), beside MD's springs, the same springs in the solver of Contact"
-            " Dynamics, and rigid contacts, at loads from far below the first limit to above the last.")
+TITLE = "Below which load does slip stop?"
+QUESTION = "Limits from linear programmes, beside springs of MD and of Contact Dynamics and rigid contacts, at loads below and above them."
 ORDER = 3.2  # in the report
 CYCLES = 20
 LOADING = dict(loading="cosine", records_per_cycle=20, wall_mass_ratio=1.0, cycles=CYCLES)

@@ -112,7 +112,7 @@ def quantities(table):
             for one, other in ((md, cd), (md_mean, cd_mean), (loose_md, loose_cd))]  # pairs in which MD dissipates and keeps more
     stands, top = loose_cd[largest] < 1e-5, 1 + LOADING["delta_sigma"]
     yields, further, limit = loose_cd[~stands], (loose_md[largest] / loose_cd[largest])[~stands], loose_cd["static limit"]
-    below = top / limit[~stands & (limit > top)]
+    below = limit[~stands & (limit > top)]
     ratio = limits.stress_ratio(cd_mean["static limit"], "mean")
     rests, moves, times = cd_mean[ratio > 1.5], cd_mean[ratio < 1.5], (md_mean[largest] / cd_mean[largest])[ratio < 1.5]
     assert np.allclose(ratio, cd["static limit"], rtol=1e-6) and cd[largest].max() < 1e-7

@@ -8,7 +8,8 @@ __all__ = ["draw", "summarize"]
 TITLE = "What does the mean of a flow cost by each method?"
 QUESTION = ("Silo, drum, filling and collapse of 500 disks: MD's springs with two dampings, springs in Contact Dynamics, and rigid contacts solved to"
             " a tolerance or with a given small number of sweeps a step.")
-ORDER = 11  # in the report
+ORDER = 29  # in the report
+PART = "engine"
 FEWER = [FINE | {"fixed_iterations": sweeps} for sweeps in (2, 5, 10, 20)]
 COMPARED = [FINEST, FINE, COARSER, COARSE, *FEWER,
             *(IMPLICIT | {"kn": kn, "beta_n": beta} for kn, beta in ((5e6, 0.2), (2e7, 0.2), (2e7, 0.9))),

@@ -13,7 +13,7 @@ from analysis.studies import fig4
 from analysis.style import plt
 from yade_scripts.errors import ResultError
 
-TITLE = "Do the contact forces of springs and rigid grains look alike?"
+TITLE = "Do both methods find the same contact forces?"
 QUESTION = "One packing at the peak of Fig. 4's load."
 ORDER = 20  # in the report
 PART = "appendix"

@@ -12,7 +12,7 @@ from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
-TITLE = "How undetermined are the contact forces, and is the solver's choice special?"
+TITLE = "Is the solver's choice of forces special?"
 QUESTION = "The set of admissible forces, sampled by a random walk, against friction; after Unger, Kertesz and Wolf (2005)."
 ORDER = 7  # in the report
 # The protocol of Unger, Kertesz and Wolf: every mu with a packing of its own, compacted with it, stiffened to P0 = 6e-7 k_n. Then the dense

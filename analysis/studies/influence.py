@@ -8,7 +8,7 @@ from analysis.style import plt
 from yade_scripts import parameters
 from yade_scripts.tables import product
 
-TITLE = "How much do the settings change that the paper does not give?"
+TITLE = "What do the settings change that the paper omits?"
 QUESTION = "MD's strain after 10 cycles under dSigma = 0.4 if one setting is changed."
 ORDER = 8  # in the report
 BASE = SPRINGS | dict(cycles=10, delta_sigma=0.4)

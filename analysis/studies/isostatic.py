@@ -10,7 +10,7 @@ from analysis.style import plt
 from yade_scripts.tables import product
 from yade_scripts.theory import statics
 
-TITLE = "Do rigid grains rest only where their forces are undetermined?"
+TITLE = "Do rigid grains rest because their forces are undetermined?"
 QUESTION = "Packings without friction, whose forces become unique as P0/k_n goes to zero, against packings with friction."
 ORDER = 6.5  # in the report
 LOADING = dict(loading="triangle", period=1.0, wall_mass_ratio=1.0)

@@ -7,9 +7,8 @@ from analysis.studies.fig3 import SPRINGS
 from analysis.style import plt
 from yade_scripts.tables import product
 
-TITLE = "Does the path dependence of tangential springs drive the strain?"
-QUESTION = ("The standard law, YADE's avoidGranularRatcheting, and the path-independent law of McNamara, Garcia-Rojo and Herrmann (2008) on the"
-            " same packings.")
+TITLE = "Does the tangential law matter?"
+QUESTION = "The standard law, YADE's avoidGranularRatcheting, and the path-independent law of McNamara, Garcia-Rojo and Herrmann (2008)."
 ORDER = 3.6  # in the report
 LAWS = ("standard", "avoid_ratcheting", "path_independent")
 # The dense packings of fig3; some at ten times the pressure, where the work that the standard spring makes along closed paths, of the order of

@@ -12,8 +12,7 @@ from yade_scripts.tables import product
 
 PUBLISHED = Path(__file__).resolve().parents[1] / "published"
 TITLE = "What happens in three thousand cycles?"
-QUESTION = ("Three packings under dSigma = 0.4, sigma1 held; springs in Contact Dynamics with periods of 0.5, 2 and (one packing) 8 s, and rigid "
-            "contacts, beside MD (study of a thousand cycles).")
+QUESTION = "Three packings under dSigma = 0.4, sigma1 held, in cycles of 0.5, 2 and (one packing) 8 s."
 ORDER = 3.3  # in the report
 LOAD = dict(delta_sigma=0.4)
 SHARE = 400  # steps of springs in a cycle
@@ -163,9 +162,9 @@ def quantities(table):
     share = strain.xs(STANDING, level="to cycle") / strain.xs(COUNT, level="to cycle")
     glued, checked = table[table.friction == NO_SLIP["friction"]], table[(table.friction < 1) & (table.packing == CHECKED["seed"])]
     unslipped = {seed: mean_rate(rows, 20, NO_SLIP_COUNT) for seed, rows in of_step(glued, 2.0 / SHARE, USUAL).groupby("packing")}
-    glued_rates, glued_error = pandas.Series({seed: rate for seed, (rate, _) in unslipped.items()}), unslipped[NO_SLIP_SEED][1]
+    glued_rates = pandas.Series({seed: rate for seed, (rate, _) in unslipped.items()})
     same = glued[glued.packing == NO_SLIP_SEED]
-    glued_checks = [mean_rate(of_step(same, *how), 20, NO_SLIP_COUNT) for how in ((2.0 / SHARE, FINER), (1.0 / SHARE, USUAL))]
+    glued_finer = mean_rate(of_step(same, 2.0 / SHARE, FINER), 20, NO_SLIP_COUNT)[0]
     glued_md = mean_rate(same[same.medium == MD], 20, NO_SLIP_CHECK)
     checks = {period: [mean_rate(of_step(checked[checked.period == period], period / SHARE / parts, tolerance), FEWER, UNTIL[period])
                        for parts, tolerance in ((1, USUAL), *CHECKS)] for period in PERIODS}
@@ -180,9 +179,7 @@ def quantities(table):
     assert apart[2, USUAL][0] > 3 * apart[1, USUAL][0] and abs(half_apart[0] - md_apart) < half_apart[1]  # CD's step decides, MD's does not
     latest = max(late.rate.abs().max(), known[known["from cycle"] > STANDING].rate.abs().max())
     steady = {period: mean_rate(soft[(soft.period == period) & (soft.packing == CHECKED["seed"])], FEWER, COUNT) for period in PERIODS}
-    creep = rigid[(rigid.packing == SEEDS[0]) & (rigid["from cycle"] > STANDING)]
-    assert (creep.rate < 0).all()
-    assert abs(glued_checks[0][0]) < 0.3 * abs(glued_rates[NO_SLIP_SEED]) and checks[0.5][1][0] < 0.5 * checks[0.5][0][0]
+    assert abs(glued_finer) < 0.3 * abs(glued_rates[NO_SLIP_SEED]) and checks[0.5][1][0] < 0.5 * checks[0.5][0][0]
     assert last["in cycle"].size == 6 and set(soft.outcome) == {"completed"}
     assert late.rate.abs().max() < soft[soft["to cycle"] <= 50].rate.min()
     return locals() | {name: globals()[name] for name in (

@@ -9,8 +9,8 @@ from analysis.style import plt
 from yade_scripts.tables import product
 
 TITLE = "Later cycles: do springs strain because they are soft?"
-QUESTION = ("Strain of the first and of a late cycle with springs of k_n, 10 k_n and 100 k_n and with rigid contacts. Deformation of the "
-            "contacts goes as 1/k_n, their rearrangement does not (types I and II of Combe and Roux, arXiv:0901.3842).")
+QUESTION = ("Strain of the first and of a late cycle with springs of k_n, 10 k_n and 100 k_n and with rigid contacts. Deformation of "
+            "contacts goes as 1/k_n, rearrangement does not (Combe and Roux, arXiv:0901.3842).")
 ORDER = 3  # in the report
 # sigma1 = P0; under LOAD sigma2/sigma1 rises to 1.4, which is 0.80 to 1.04 of the static limits of these packings.
 SPRINGS, RIGID = fig3.SPRINGS, fig3.RIGID | dict(tolerance=1e-9)

@@ -6,7 +6,7 @@ from analysis import observables, style, summary
 from yade_scripts import parameters
 from yade_scripts.tables import product
 
-TITLE = "What does an accurate load cycle cost by each method?"
+TITLE = "What does an accurate load cycle cost?"
 QUESTION = "Time against error, if rigid grains are the exact answer, and if springs of k_n are."
 ORDER = 10  # in the report
 # Few samples, since their recording counts as time of computing.

@@ -8,7 +8,7 @@ from yade_scripts import parameters
 from yade_scripts.tables import product
 from yade_scripts.theory import effective_medium
 
-TITLE = "Is the strain of rigid grains only the error of the solver?"
+TITLE = "Is the strain of rigid grains an error of the solver?"
 QUESTION = "Fig. 4's cycle by CD at tolerances from 1e-2 to 1e-10, and with fixed numbers of sweeps."
 ORDER = 1.2  # in the report
 LOADING = dict(loading="triangle", period=4.0)

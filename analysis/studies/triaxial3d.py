@@ -9,8 +9,7 @@ from yade_scripts.tables import product
 from yade_scripts.theory import cone_limits
 
 TITLE = "Is it the same for spheres in space?"
-QUESTION = ("Triaxial test of spheres: sigma2 rises while sigma1 = sigma3 = P0; MD's springs, the same springs in Contact Dynamics, and rigid "
-            "contacts, from the same packings.")
+QUESTION = "MD's springs, the same springs in Contact Dynamics, and rigid contacts, from the same packings of spheres."
 ORDER = 5.5  # in the report
 SPACE = dict(scene="triaxial")
 METHODS = (dict(method="MD", md_walls="force"), dict(method="CD", cd_contacts="springs"), dict(method="CD"))

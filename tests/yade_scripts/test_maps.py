@@ -96,7 +96,7 @@ def test_a_map_that_lacks_something_is_refused(monkeypatch):
     monkeypatch.delattr(file, "probe")
     with pytest.raises(ParameterError, match="servo.py lacks probe; .*maps/__init__.py explains"):
         maps.names()
-    with pytest.raises(TypeError, match="'group', 'criterion', 'remedy', 'y', 'grid', and 'searches'"):
+    with pytest.raises(TypeError, match="'criterion', 'remedy', 'y', 'grid', and 'searches'"):
         maps.Map(title="Too little", question="What else?", x=maps.Axis("x", "x"))
 
 

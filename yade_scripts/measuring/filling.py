@@ -14,7 +14,6 @@ CRITERION = ("200 disks fall into a box; means of three seeds. Inaccurate: the h
              "grains with steps of 0.25 ms and a tolerance of 1e-4, or disks overlap by more than a tenth of the radius. Unstable: by more than "
              "20 %, or a run ends as unstable.")
 MEASURES = {"height": "mean height of the filling over that of disks without pores", "overlap": "largest overlap over the mean radius"}
-GROUP = "Where the mean of a flow fails"
 
 
 def fill(seed, **row):

@@ -105,14 +105,13 @@ def lines(along, good, bad, precision, accepted=(STABLE,), **others):
 class Map:
     """One map. grid(full), searches(full): the quick or the full lists of cases and of lines across the boundary.
 
-    group: heading of the report under which it stands, order: its place there. title, question: its heading and what it answers.
+    title, question: its heading in the report and what it answers. order: its place there.
     criterion: in words, what makes a case stable, inaccurate or unstable. remedy: what the program does about these failures, or what a user can
     do; a template (analysis/texts.py), in which `cells` is the published table of the map. x, y: axes. The others are optional. panels: the
     parameter with a panel for each value. measures: {name: meaning}, without units.
     theory: function of a case without `theory_along` -> the boundary along it, or NaN. Instead of it a measure `theory` may hold the boundary.
     marks: {label: value on the x axis} of lines to draw, such as a default.
     """
-    group: str
     title: str
     question: str
     criterion: str

@@ -7,7 +7,7 @@ LOADS = {True: (0.5, 0.7, 0.8, 0.9, 0.95, 1.02, 1.05, 1.1), False: (0.5, 0.95, 1
 BELOW = [load for load in LOADS[True] if load < 1]
 
 MAP = Map(
-    group="Where rigid contacts fail", order=8,
+    order=8,
     title="Rigid contacts: a load cycle near the static limit",
     question="At which tolerance and step does a packing of rigid grains stay at rest up to its static limit, and move beyond?",
     criterion="100 disks, one cycle of 1 s, lines also of 0.25 and 4 s; load: rise of sigma2 over that of the static limit. Below the limit: "

@@ -9,7 +9,7 @@ ERROR = 0.1
 SIDES = ("steeper", "flatter")
 
 MAP = Map(
-    group="Where rigid contacts fail", order=6,
+    order=6,
     title="Rigid contacts: rest or slide near the angle of friction",
     question="How close to the angle of friction does the engine still decide correctly whether a body rests?",
     criterion="Five touching disks that cannot turn (mu = 0.5) rest on a slope of tangent mu/2. The slope then changes to "

@@ -9,7 +9,7 @@ SPEED = 1.0  # [m/s]
 GAIN = 1e-9  # smallest relative gain of energy that counts: above round-off and solver error
 
 MAP = Map(
-    group="Where rigid contacts fail", order=9,
+    order=9,
     title="Rigid contacts: restitution with friction",
     question="Where does restitution together with friction create energy?",
     criterion="A spinning disk is thrown at the bottom of a groove and hits both sides at once; 60 random angles, velocities and spins. "

@@ -7,7 +7,7 @@ STRAIN, LARGE_STRAIN = 1e-6, 1e-3
 TRIED = {True: logarithmic(1e-5, 1e-2, 7), False: logarithmic(1e-4, 1e-2, 3)}  # steps of the full and of the quick map
 
 MAP = Map(
-    group="Where rigid contacts fail", order=7,
+    order=7,
     title="Rigid contacts: a small load on a packing",
     question="At which step and tolerance does a packing far below yield stay at rest, as rigid grains must?",
     criterion="100 disks at rest under P0 with free walls; sigma2 rises by 5 % at once and stays for 50 steps. Inaccurate: |gamma| above "

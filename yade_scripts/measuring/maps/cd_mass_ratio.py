@@ -5,7 +5,7 @@ STEPS = 20
 TRIED = {True: logarithmic(1e-12, 1e-2, 11), False: logarithmic(1e-10, 1e-2, 5)}  # tolerances of the full and of the quick map
 
 MAP = Map(
-    group="Where rigid contacts fail", order=5,
+    order=5,
     title="Rigid contacts: heavy on light",
     question="How much heavier may a body be than the one that carries it?",
     criterion="A disk on a disk on the floor, 20 steps of 1 ms from rest without forces. Inaccurate: a contact force is off by more than 1 "

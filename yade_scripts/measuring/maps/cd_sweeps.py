@@ -5,7 +5,7 @@ STEPS = 50
 HEIGHTS = {True: whole(logarithmic(2, 100, 6)), False: [3, 10, 30]}  # of columns whose boundary the full and the quick map search
 
 MAP = Map(
-    group="Where rigid contacts fail", order=3,
+    order=3,
     title="Rigid contacts: too few sweeps under a column",
     question="How many sweeps a step does a column of disks need if the error is not checked?",
     criterion="A column of equal disks, 50 steps of 1 ms from rest without forces, with fixedIterations. Unstable: bodies overlap by more "

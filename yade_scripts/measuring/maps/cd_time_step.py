@@ -12,7 +12,7 @@ TOLERANCE = 1e-5
 UNSOLVED = 0.01  # share of the steps
 
 MAP = Map(
-    group="Where rigid contacts fail", order=8,
+    order=8,
     title="Rigid contacts: the step of a fall",
     question="How long a time step do falling and settling disks allow?",
     criterion="30 disks fall into a trough and settle within 20 sqrt(R/g), tolerance 1e-5. Unstable: kinetic, potential and dissipated "

@@ -6,7 +6,7 @@ CORRECTION = {True: (0.0, 0.1), False: (0.0,)}  # of the full and of the quick m
 STEPS = {True: logarithmic(2.5e-4, 1.6e-2, 7), False: (1e-3, 8e-3)}  # [s]
 
 MAP = Map(
-    group=filling.GROUP, order=14,
+    order=14,
     title="Flows: rigid contacts",
     question="Which step and tolerance give the height of a filling?",
     criterion=filling.CRITERION + " The longest step is 13.3 ms, a third of the time between two samples.",

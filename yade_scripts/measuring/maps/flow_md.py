@@ -5,7 +5,7 @@ from yade_scripts.measuring.maps import Axis, Map, lines, logarithmic, product
 STIFF, DAMPING = {True: (2e6, 2e7), False: (2e6,)}, {True: (0.05, 0.1, 0.2, 0.4, 0.9), False: (0.2, 0.9)}  # of the full and of the quick map
 
 MAP = Map(
-    group=filling.GROUP, order=13,
+    order=13,
     title="Flows: springs",
     question="Which step, damping and stiffness give the height of a filling?",
     criterion=filling.CRITERION,

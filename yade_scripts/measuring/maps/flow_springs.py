@@ -5,7 +5,7 @@ from yade_scripts.measuring.maps.flow_md import DAMPING, STIFF
 from yade_scripts.parameters import SPRING_TOLERANCE
 
 MAP = Map(
-    group=filling.GROUP, order=15,
+    order=15,
     title="Flows: springs in Contact Dynamics",
     question="Which step, damping and stiffness give the height of a filling?",
     criterion=filling.CRITERION,

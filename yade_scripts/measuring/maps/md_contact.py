@@ -28,7 +28,7 @@ def searches(full):
 
 
 MAP = Map(
-    group="Where springs fail", order=0,
+    order=0,
     title="Springs: the step for one contact",
     question="How long a time step does a spring with a dashpot allow in YADE's scheme?",
     criterion="A disk pressed on a fixed one, free to move along the normal and to turn, is pushed by 1e-5 of its overlap. Unstable: its "

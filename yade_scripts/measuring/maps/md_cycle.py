@@ -8,7 +8,7 @@ OFF, FAR_OFF = 0.01, 0.5
 PERIODS, LOADS = {True: (0.25, 1.0, 4.0), False: (0.25,)}, {True: (0.05, 0.1, 0.2, 0.3, 0.4), False: (0.1, 0.4)}  # of the full and of the quick map
 
 MAP = Map(
-    group="Where springs fail", order=2,
+    order=2,
     title="Springs: the step of a load cycle",
     question="How long a step does the strain of a load cycle allow?",
     criterion="100 disks, one cycle, walls pushed by forces. Inaccurate: the strain at the peak of the load or the one that remains differs from "

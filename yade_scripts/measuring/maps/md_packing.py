@@ -22,7 +22,7 @@ def searches(full):
 
 
 MAP = Map(
-    group="Where springs fail", order=1,
+    order=1,
     title="Springs: the step for a packing",
     question="How long a time step does a packing under pressure allow, and does the largest eigenvalue of its stiffness predict it?",
     criterion="100 disks at rest under P0 between fixed walls, with sticking contacts, are pushed by 1e-5 of an overlap. Unstable: their "

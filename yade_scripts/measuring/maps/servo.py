@@ -14,7 +14,7 @@ STRESS_ERROR, STRAIN_ERROR, FLIPPING = 0.05, 0.1, 0.5
 PERIODS = {True: [0.2, 0.02], False: [0.2]}  # of the full and of the quick map
 
 MAP = Map(
-    group="Where walls fail", order=2,
+    order=2,
     title="The walls' servo",
     question="When do servo-driven walls carry their load, and does the program notice when they do not?",
     criterion="100 disks under one triangle of 0.2 P0, damping ratio 0.3, recorded 20 times. In most samples of the second half the stress "

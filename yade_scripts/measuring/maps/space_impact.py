@@ -16,7 +16,7 @@ def arm(at):
 
 
 MAP = Map(
-    group="Where spheres in space fail", order=21,
+    order=21,
     title="Spheres in space: the step of an oblique impact",
     question="How far may a sphere move in a step so that it leaves a wall with the right spin?",
     criterion="A sphere hits a floor at an angle from its normal and slides throughout (mu = 0.092, scene oblique_impact, no gravity), "

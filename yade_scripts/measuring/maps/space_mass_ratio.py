@@ -10,7 +10,7 @@ PILES = "nest", "tube"
 TRIED = {True: logarithmic(1e-10, 1e-1, 10), False: logarithmic(1e-10, 1e-1, 4)}  # tolerances of the full and of the quick map
 
 MAP = Map(
-    group="Where spheres in space fail", order=23,
+    order=23,
     title="Spheres in space: heavy on light",
     question="How much heavier or lighter may a sphere be than those that carry it?",
     criterion="Nest: a sphere on three equally large ones on a floor, mu = 0.5, held by friction alone. Tube: the uppermost of five spheres in "

@@ -15,7 +15,7 @@ def angle(size):
 
 
 MAP = Map(
-    group="Where spheres in space fail", order=22,
+    order=22,
     title="Spheres in space: rolling over triangles",
     question="How far may a sphere move in a step that rolls over a mesh, and how small may the triangles be?",
     criterion="Flat: a sphere rolls over random triangles, slivers among them, as over a plane (scene mesh_floor); inaccurate if speed or "

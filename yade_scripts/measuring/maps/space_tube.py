@@ -5,7 +5,7 @@ STEPS, DT = 200, 1e-3
 WIDTHS = {True: [2.2, 3.0], False: [3.0]}  # inner width of the tube over the radius, of the full and of the quick map
 
 MAP = Map(
-    group="Where spheres in space fail", order=20,
+    order=20,
     title="Spheres in space: the tolerance in a tube",
     question="How many spheres may stand in a tube at a given tolerance until its walls carry wrong forces?",
     criterion="Spheres stand on each other in opposite corners of a square tube without friction (scene tube), 200 steps of 1 ms from rest "

@@ -7,7 +7,7 @@ STIFFNESS, SPEED, OFF = 2e6, 0.1, 0.05  # N/m, m/s, of the speed of the impact
 DAMPING = {True: (0.0, 0.1, 0.2, 0.4, 0.6), False: (0.0, 0.4)}  # of the full and of the quick map
 
 MAP = Map(
-    group="Where springs in Contact Dynamics fail", order=12,
+    order=12,
     title="Springs in Contact Dynamics: rebounds",
     question="Up to which step does a contact rebound as its spring and dashpot do?",
     criterion="A disk hits a box at 0.1 m/s without gravity. Inaccurate: it leaves with a speed that differs from that of the exact spring and "

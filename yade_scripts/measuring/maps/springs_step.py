@@ -7,7 +7,7 @@ OFF, FAR_OFF = 0.01, 0.5
 STIFFER, LOADS, TOLERANCES = {True: (1.0, 100.0, 10000.0), False: (1.0,)}, {True: (0.05, 0.1, 0.2, 0.3, 0.4), False: (0.1, 0.4)}, (0.1, 1.0)
 
 MAP = Map(
-    group="Where springs in Contact Dynamics fail", order=11,
+    order=11,
     title="Springs in Contact Dynamics: the step of a load cycle",
     question="How long a step does the strain of a load cycle allow, at which stiffness and load?",
     criterion="100 disks, one cycle of 1 s, tolerance 0.1; lines: also 1. Inaccurate: the strain at the peak of the load or the one that remains "

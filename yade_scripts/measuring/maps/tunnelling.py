@@ -18,7 +18,7 @@ def turning(at):
 
 
 MAP = Map(
-    group="Where walls fail", order=10,
+    order=10,
     title="Both methods: a disk thrown at a wall",
     question="How fast must a disk be to pass through a wall?",
     criterion="A disk flies at a fixed box without gravity, from four distances; springs have no dashpots and md_dt_factor 0.2. Unstable: "
