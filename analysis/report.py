@@ -122,9 +122,9 @@ def _figure(path):
 # Words of the plain texts and the symbols that replace them on the page; longer ones first. The word joiners around gamma keep |gamma| on one line.
 _SYMBOLS = ((r"\*\*([^*]+)\*\*", r"<b>\1</b>"), (r"`(.+?)`", r"<code>\1</code>"), (r"\|gamma\|", "|\u2060gamma\u2060|"),
             (r"(?:(?<![\d.])1|(\d))e(-?)0*(\d+)\b", lambda m: f"{m[1] + '·' if m[1] else ''}10<sup>{'−' if m[2] else ''}{m[3]}</sup>"),
-            (r"\bsigma([12])\b", r"σ<sub>\1</sub>"), (r"\bk_([nt])\b", r"k<sub>\1</sub>"), (r"\bN_I\b", "N<sub>I</sub>"),
+            (r"\bsigma([123])\b", r"σ<sub>\1</sub>"), (r"\bk_([nt])\b", r"k<sub>\1</sub>"), (r"\bN_I\b", "N<sub>I</sub>"),
             (r"\b([PV])0\b", r"\1<sub>0</sub>"), (r"\bdSigma\b", "Δσ"), (r"\bgamma\b", "γ"), (r"\bkappa\b", "κ"), (r"\bmu\b", "μ"),
-            (r"\balpha\b", "α"), (r"\bomega\b", "ω"), (r"\bbeta\b", "β"))
+            (r"\balpha\b", "α"), (r"\bomega\b", "ω"), (r"\bbeta\b", "β"), (r"\^(\d+)", r"<sup>\1</sup>"))
 
 
 def symbols(text):

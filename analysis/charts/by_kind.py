@@ -9,7 +9,7 @@ from analysis.charts.table import SPRINGS
 from analysis.style import plt
 
 TITLE = "What to use when: time against accuracy, by kind of scene"
-QUESTION = "Which method reaches a given accuracy sooner? The error is the largest of all that is known of a scene of rigid grains."
+QUESTION = "Which method reaches a given accuracy sooner? Errors are relative to rigid grains; of several in a scene the largest."
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
 
 

@@ -23,8 +23,7 @@ def quantities(table):
     md, cd = ({level: solved[BEST[method], level] for level in (1e-2, 1e-4, 1e-6)} for method in ("MD", "CD"))
     faster = {level: (md[level] / cd[level]).dropna() for level in md}
     assert all(len(each) == len(md[level]) for level, each in faster.items())
-    most, least = max(each.max() for each in faster.values()), [each.min() for each in faster.values()]
-    return {"md": md, "cd": cd, "faster": faster, "most": most, "least": least}
+    return {"md": md, "cd": cd, "faster": faster}
 
 
 def rows(measured):

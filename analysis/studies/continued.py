@@ -81,7 +81,7 @@ def draw(runs, rows, path):
 
 
 POINTS = (
-    (21, "This behavior is associated to a quasi-periodic response of the sliding contacts", "section 3, Fig. 3", "agrees in part"),
+    (21, "This behavior is associated to a quasi-periodic response of the sliding contacts", "section 3", "agrees in part"),
 )
 
 

@@ -121,7 +121,8 @@ def draw(runs, rows, path):
 
 
 POINTS = (
-    (2, "in MD, its choice is restricted, because the forces can only be modified by small motions of the grains.", "sections 2.3 and 4", "agrees"),
+    (2, "in MD, [the packing's] choice is restricted, because the forces can only be modified by small motions of the grains.",
+     "sections 2.3 and 4", "agrees"),
     (19, "This behavior is probably related to the indeterminacy of the forces in the CD method.", "section 4", "agrees in part"),
     (20, "The system can jump from one force configuration to another without any movement of the particles.", "section 4", "agrees in part"),
 )

@@ -144,16 +144,16 @@ def _loads(axis, table):
 
 
 POINTS = (
-    (10, "The higher inertia of the CD method is even more clearly observed in Figure 5", "section 3, Fig. 5", "agrees in part"),
-    (11, "In the MD simulation, the system starts expanding slowly.", "section 3, Fig. 5", "agrees in part"),
-    (13, "In this range of values, however, the CD simulated sample seems to remain unaltered.", "section 3, Fig. 5",
+    (10, "The higher inertia of the CD method is even more clearly observed in Figure 5", "section 3", "agrees in part"),
+    (11, "In the MD simulation, the system starts expanding slowly.", "section 3", "agrees in part"),
+    (13, "In this range of values, however, the CD simulated sample seems to remain unaltered.", "section 3",
      "agrees in part"),
-    (14, "In the CD simulation, the response is smoother than in the MD case.", "section 3, Fig. 5", "agrees in part"),
-    (15, "There is however a critical load, beyond which, the system expands.", "section 3, Fig. 5",
+    (14, "In the CD simulation, the response is smoother than in the MD case.", "section 3", "agrees in part"),
+    (15, "There is however a critical load, beyond which, the system expands.", "section 3",
      "agrees in part"),
-    (23, "This leads to a collapse of the sample at the end of the simulation.", "section 3, Fig. 5", "agrees"),
+    (23, "This leads to a collapse of the sample at the end of the simulation.", "section 3", "agrees"),
     (24, "We choose alpha small enough so that the system is loaded quasi-statically", "section 2.1", "not decided"),
-    (16, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3, Fig. 5",
+    (16, "this expansion is carried out without any collapse or breakage of the physical structure of the grains.", "section 3",
      "agrees in part"),
 )
 

@@ -84,15 +84,11 @@ def draw(runs, rows, path):
     """Draw the strain against the number of the cycle for one period, and the strain a cycle for all periods."""
     fig, (left, right) = plt.subplots(1, 2, figsize=(10, 4.2))
     table = pandas.DataFrame(rows)
-    for packing in sorted({run.parameters["seed"] for run in runs}):
-        own = molecular()[PERIODS[0]][packing]
-        left.plot(own.index, own, ls="", marker="o", mfc="none", color=COLOUR[MD], label=MD if packing == SEEDS[0] else None)
-    for run in runs:
-        row = run.parameters
-        if kind(run) == SPRINGS and row["period"] == PERIODS[0] and usual_step(row):
-            found = cycles.of(run)
-            left.plot(found.number, np.abs(found.permanent), color=COLOUR[SPRINGS], label=SPRINGS if row["seed"] == SEEDS[0] else None)
     usual = table[table.medium.isin((SPRINGS, RIGID)) & table.usual]
+    for packing, own in usual[(usual.medium == SPRINGS) & (usual.period == PERIODS[0])].groupby("packing"):
+        left.plot(own["to cycle"], own["|gamma|"], color=COLOUR[SPRINGS], marker=".", ms=5, label=SPRINGS if packing == SEEDS[0] else None)
+        known = molecular()[PERIODS[0]][packing]
+        left.plot(known.index, known, ls="", marker="o", mfc="none", color=COLOUR[MD], label=MD if packing == SEEDS[0] else None)
     for (which, period, packing), own in usual.groupby(["medium", "period", "packing"]):
         middle = np.sqrt(own["from cycle"] * own["to cycle"])
         label = (f"{which}, {period:g} s" if which == SPRINGS else which) if packing == SEEDS[0] else None
@@ -107,8 +103,8 @@ def draw(runs, rows, path):
     left.text(EVENT, 0.02, f"N = {EVENT} ", transform=left.get_xaxis_transform(), ha="right", fontsize=8)
     left.set_title("cycles of 0.5 s")
     right.set_title("means over windows of cycles")
-    style.finish(fig, path, "A line a packing; circles: MD. Dotted: the cycle in which the paper names a sudden compression. Open: less than two "
-                 "standard errors. Rigid packings rest: what is drawn is the error of the solver.", runs)
+    style.finish(fig, path, "A line a packing. Dotted: the cycle in which the paper names a sudden compression. Open dots: not different from zero "
+                 "(less than two standard errors). Rigid packings rest: what is drawn is the error of the solver.", runs)
 
 
 def molecular():
@@ -119,7 +115,7 @@ def molecular():
 
 
 EVENT = 2700  # the paper's "N = 2700"
-SHADE = {0.5: style.GREEN, 2.0: style.BLUE, 8.0: style.PURPLE}  # of springs in Contact Dynamics, by period [s]
+SHADE = {0.5: style.GREEN, 2.0: style.LIME, 8.0: style.OLIVE}  # of springs in Contact Dynamics, by period [s]
 STANDING = 500  # cycles after which the rates are compared
 
 
@@ -143,7 +139,7 @@ def mean_rate(rows, first, last):
 
 
 POINTS = (
-    (12, "A sudden compression is perceived N = 2700, after which the deformation rate seems to grow in each cycle.", "section 3, Fig. 5",
+    (12, "A sudden compression is perceived N = 2700, after which the deformation rate seems to grow in each cycle.", "section 3",
      "agrees in part"),
 )
 

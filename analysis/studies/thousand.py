@@ -16,7 +16,7 @@ SLOW = dict(period=2.0)  # 0.5 s is short for springs of k_n (study of later cyc
 LINES = "-", "--", ":"  # of the packings
 LOOK = {("standard", SPRINGS["period"]): (style.INK, "standard law"),  # colours of the laws as in their study
         ("path_independent", SPRINGS["period"]): (style.PINK, "path-independent law"),
-        ("standard", SLOW["period"]): (style.BLUE, "standard law, cycles of 2 s")}
+        ("standard", SLOW["period"]): (style.BROWN, "standard law, cycles of 2 s")}
 ROWS = {"quick": product(cycles=20, **BASE),
         "full": product(tangential_law="standard", seed=(1, 2, 3), cycles=1000, **BASE)
         + product(tangential_law="path_independent", seed=(1, 2, 3), cycles=1000, **BASE)
@@ -46,20 +46,21 @@ def draw(runs, rows, path):
     """Draw the strain, and the strain of each cycle, against the number of the cycle."""
     fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.9))
     table = pandas.DataFrame(rows)
-    for run in runs:
-        law, period, seed = (run.parameters[name] for name in ("tangential_law", "period", "seed"))
-        found, (colour, words), line = cycles.of(run), LOOK[law, period], LINES[(seed - 1) % len(LINES)]
-        left.plot(found.number, np.abs(found.permanent), color=colour, ls=line, label=words if seed == 1 else None)
+    for law, period, seed in sorted(set(zip(table.law, table.period, table.seed)), key=lambda one: (list(LOOK).index(one[:2]), one[2])):
+        (colour, words), line = LOOK[law, period], LINES[(seed - 1) % len(LINES)]
         means = table[(table.law == law) & (table.period == period) & (table.seed == seed)]
+        wide = 2.5 if (law, period) == next(iter(LOOK)) else 1.0  # seen below another line
+        left.plot(means["to cycle"], means["|gamma|"], color=colour, ls=line, lw=wide, label=words if seed == 1 else None)
         middle, known = np.sqrt(means["from cycle"] * means["to cycle"]), (means.rate.abs() > 2 * means["rate error"]) | (means["to cycle"] <= 10)
-        right.plot(middle, means.rate.abs(), color=colour, ls=line)
+        right.plot(middle, means.rate.abs(), color=colour, ls=line, lw=wide)
         for part, face in ((known, colour), (~known, "w")):
             right.plot(middle[part], means.rate.abs()[part], ls="", marker="o", ms=3, color=colour, mfc=face)
     for axis, label in ((left, r"accumulated strain $|\gamma|$"), (right, r"strain of a cycle $|\Delta\gamma|$")):
         axis.set(xscale="log", yscale="log", xlabel="cycle", ylabel=label)
     left.legend(loc="lower right")
     style.finish(fig, path, "Springs of k_n, cycles of 0.5 s unless named; a packing has one kind of line. "
-                 "Right: means over the cycles 1, 2, 3 to 5, 6 to 10 and so on; from cycle 11 on, open: less than two standard errors.", runs)
+                 "Right: means over the cycles 1, 2, 3 to 5, 6 to 10 and so on; open dots, from cycle 11 on: not different from zero (less "
+                 "than two standard errors).", runs)
 
 
 LATE = 100  # cycles: what follows them is compared alone, since much of the strain comes before

@@ -78,7 +78,7 @@ def draw(runs, rows, path):
 
 
 POINTS = (
-    (8, "and related to the precision of the method.", "section 3, Fig. 4", "agrees"),
+    (8, "and related to the precision of the method.", "section 3", "agrees"),
 )
 
 
