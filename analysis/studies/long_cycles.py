@@ -30,6 +30,7 @@ CHECKED = SOFT | SELDOM | dict(seed=1)  # the packing whose rate stays the same 
 UNTIL = {0.5: 2 * FEWER, 2.0: 1500}  # cycles of its checks, by period
 USUAL, FINER = 0.1, 0.01  # tolerance
 CHECKS = ((1, FINER), (2, USUAL))  # what the late rates owe to tolerance and step: in how many parts a step is divided, and the tolerance
+SHORT = ((4, USUAL), (8, USUAL), (4, FINER))  # steps from which on the step does not matter any more
 APART = dict(seed=3, cycles=750)  # the packing on which springs in Contact Dynamics and MD part after some hundred cycles
 NO_SLIP = dict(friction=1.0, pressure_ratio=6e-3, period=2.0)  # where McNamara et al. (2008) see ratcheting without sliding
 NO_SLIP_COUNT, NO_SLIP_CHECK = 300, 100  # cycles by springs in Contact Dynamics and by MD, whose law causes it
@@ -40,7 +41,8 @@ ROWS = {"quick": [SOFT | dict(cd_dt=PERIODS[0] / SHARE, cycles=40, seed=1), RIGI
         + [RIGID_ROW | SELDOM | dict(cycles=COUNT, seed=SEEDS[0])] + product(**RIGID_ROW | SELDOM, cycles=FEWER, seed=SEEDS[1:])
         + [CHECKED | dict(period=period, cycles=UNTIL[period], cd_dt=period / SHARE / parts, tolerance=tolerance)
            for period in PERIODS for parts, tolerance in CHECKS]
-        + [CHECKED | APART | dict(cd_dt=PERIODS[0] / SHARE / parts, tolerance=tolerance) for parts, tolerance in CHECKS]
+        + [CHECKED | APART | dict(cd_dt=PERIODS[0] / SHARE / parts, tolerance=tolerance) for parts, tolerance in (*CHECKS, *SHORT)]
+        + product(**SOFT | SELDOM | dict(cd_dt=PERIODS[0] / SHARE / SHORT[0][0], cycles=APART["cycles"], seed=SEEDS[:2]))
         + [fig3.SPRINGS | LOAD | SELDOM | APART | dict(md_dt_factor=fig3.SPRINGS["md_dt_factor"] / 2)]
         + [SOFT | SLOWEST | dict(seed=SEEDS[0])]
         + product(**SERVO, cycles=SERVO_COUNT, seed=SEEDS)
@@ -164,15 +166,19 @@ def quantities(table):
     glued_md = mean_rate(same[same.medium == MD], 20, NO_SLIP_CHECK)
     checks = {period: [mean_rate(of_step(checked[checked.period == period], period / SHARE / parts, tolerance), FEWER, UNTIL[period])
                        for parts, tolerance in ((1, USUAL), *CHECKS)] for period in PERIODS}
-    later_over_md = [(at[SPRINGS, 0.5, seed, FEWER] - at[SPRINGS, 0.5, seed, 100]) / (md[0.5][seed][FEWER] - md[0.5][seed][100]) for seed in SEEDS]
     known = publish.read_table(PUBLISHED / "thousand.csv")
-    known = known[(known.law == "standard") & (known.period == PERIODS[0])].assign(packing=known.seed)
     # Rates are positive here where the sample goes on shortening, and negative in that study.
-    md_apart, error_apart = mean_rate(known[known.packing == APART["seed"]].assign(rate=lambda rows: -rows.rate), STANDING, APART["cycles"])
-    parted = table[(table.packing == APART["seed"]) & (table.period == PERIODS[0]) & (table.friction < 1)]
-    apart = {how: mean_rate(of_step(parted, PERIODS[0] / SHARE / how[0], how[1]), STANDING, APART["cycles"]) for how in ((1, USUAL), *CHECKS)}
-    half_apart = mean_rate(parted[parted.medium == MD], STANDING, APART["cycles"])
-    assert apart[2, USUAL][0] > 3 * apart[1, USUAL][0] and abs(half_apart[0] - md_apart) < half_apart[1]  # CD's step decides, MD's does not
+    known = known[(known.law == "standard") & (known.period == PERIODS[0])].assign(packing=known.seed, rate=-known.rate)
+    parted, until = table[(table.period == PERIODS[0]) & (table.friction < 1)], APART["cycles"]
+    whole = lambda rows: tuple((until - 100) * value for value in mean_rate(rows, 100, until))  # strain of cycles 101 to `until`, and its error
+    apart = {parts: {seed: whole(rows) for seed, rows in of_step(parted, PERIODS[0] / SHARE / parts, USUAL).groupby("packing")}
+             for parts in (1, 2, 4, 8)}
+    md_apart = {seed: whole(rows) for seed, rows in known.groupby("packing")}
+    half_apart = whole(parted[(parted.medium == MD) & (parted.packing == APART["seed"])])
+    finer_apart = whole(of_step(parted[parted.packing == APART["seed"]], PERIODS[0] / SHARE / SHORT[-1][0], FINER))
+    # Half of MD's step does not change its strain, nor an eighth of CD's step and a tolerance of a tenth what a quarter gives.
+    assert all(abs(one[0] - other[0]) < 2 * np.hypot(one[1], other[1]) for one, other in (
+        (half_apart, md_apart[3]), (apart[8][3], apart[4][3]), (finer_apart, apart[4][3])))
     latest = max(late.rate.abs().max(), known[known["from cycle"] > STANDING].rate.abs().max())
     steady = {period: mean_rate(soft[(soft.period == period) & (soft.packing == CHECKED["seed"])], FEWER, COUNT) for period in PERIODS}
     assert abs(glued_finer) < 0.3 * abs(glued_rates[NO_SLIP_SEED]) and checks[0.5][1][0] < 0.5 * checks[0.5][0][0]
