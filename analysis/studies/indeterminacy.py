@@ -147,7 +147,7 @@ POINTS = (
 
 
 def quantities(table):
-    counted, left = table[table.used >= 100], table[table.used < 100]
+    counted = table[table.used >= 100]
     own, dense = (counted[counted.packing == kind] for kind in (OWN, DENSE))
     packings = own.groupby("mu").eta
     eta, differ = packings.median(), (packings.max() / packings.min())[lambda rows: rows.index > 0]
