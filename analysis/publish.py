@@ -67,7 +67,7 @@ def write_table(path, rows):
 def read_table(path, texts=(), numbers=()):
     """Return a table written by write_table. Raise ResultError if the file is no table, or lacks one of these columns of texts and of numbers."""
     try:
-        table = pandas.read_csv(path)
+        table = pandas.read_csv(path, float_precision="round_trip")  # a table that is read and written again keeps its digits
         if missing := [name for name in (*texts, *numbers) if name not in table]:
             raise ValueError(f"no column {', '.join(missing)}")
         return table.astype(dict.fromkeys(texts, object) | dict.fromkeys(numbers, float))
