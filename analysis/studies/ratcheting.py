@@ -72,7 +72,7 @@ def draw(runs, rows, path):
         axis.set(yscale="log", xlabel=r"largest $\sigma_2/\sigma_1$ over its static limit", title=title)
     axes[0].set_ylabel(r"strain of a cycle $|\Delta\gamma|$")
     axes[0].legend(loc="center left")
-    style.finish(fig, path, "A point a packing. Rigid contacts: tolerance 1e-9; below the limit they show the error of their solver.",
+    style.finish(fig, path, "Each point is a packing. Rigid contacts: tolerance 1e-9; below the limit they show the error of their solver.",
                  [runs[place] for place in quiet.index.union(rigid.index)] or runs)
 
 
