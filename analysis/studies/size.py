@@ -76,7 +76,7 @@ def draw(runs, rows, path):
         axis.minorticks_off()
         if len(several) > 1:
             axis.legend()
-    style.finish(fig, path, "A point a packing, a line the median of a size.", runs)
+    style.finish(fig, path, "Each point is a packing. Short lines: medians.", runs)
 
 
 def quantities(table):
