@@ -76,8 +76,8 @@ def draw(runs, rows, path):
     axes[0].axvline(REST, color="0.7", lw=0.8)
     axes[0].legend(fontsize=7)
     standing = [run for run, row in zip(runs, rows) if row["verdict of all"] != COLLAPSES]
-    style.finish(fig, path, "Each point is a run that does not collapse; dotted: equal values. Left: below a grey line the packing counts as at rest.",
-                 standing or runs)
+    style.finish(fig, path, "Each point is a run that does not collapse; dotted: equal values. Left: below a grey line the packing counts as at "
+                 "rest.", standing or runs)
 
 
 POINTS = (

@@ -95,8 +95,8 @@ def draw(runs, rows, path):
     loads.axhline(1, color="k", lw=0.8, ls=":")
     loads.set_xticks(range(len(THRESHOLDS)), [f"{threshold:g}" for threshold in THRESHOLDS])
     loads.set(xlabel=r"strain $|\gamma|$ that is passed", ylabel=r"$\sigma_2/P_0$ over its static limit", title="all packings")
-    style.finish(fig, path, f"Left: one packing of {shown[cycle]} spheres. Middle: one of {shown[ramp]}. Right: a point a packing of {shown[ramp]}; "
-                 "open: a ramp half as fast.", runs)
+    style.finish(fig, path, f"Left: one packing of {shown[cycle]} spheres. Middle: one of {shown[ramp]}. Right: each point is a packing of "
+                 f"{shown[ramp]}; open: a ramp half as fast.", runs)
 
 
 def quantities(table):
