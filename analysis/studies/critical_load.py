@@ -117,7 +117,7 @@ def draw(runs, rows, path):
     for axis in axes:
         axis.legend(loc="best", fontsize=6.5)
     style.finish(fig, path, f"Left and right: one packing, of seed {main[1]}, prepared with mu = {main[0]:g}; below 1e-7 the strain is the "
-                 "error of the solver. Middle: a point a run; on the dotted line it yields at its static limit.", runs)
+                 "error of the solver. Middle: each point is a run; on the dotted line it yields at its static limit.", runs)
 
 
 POINTS = (

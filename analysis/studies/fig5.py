@@ -103,7 +103,7 @@ def _draw_ramps(runs, table, path, words):
                for method, colour in style.COLOUR.items() if any(run.method == method for run in runs)]
     entries += [dict(color=style.GREY["44"], marker="x", ls="none", label="collapsed")] * any(run.collapsed for run in runs)
     style.legend(axes[-1], entries, loc="lower right", fontsize=7)
-    style.finish(fig, path, f"{words} packings, a line each; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; "
+    style.finish(fig, path, f"{words} packings, each line is one; inset: CD alone, enlarged. Right: grey lines join MD and CD on one packing; "
                  "open: the mean stress held. Not drawn: other rates and 10 k_n.", runs)
 
 

@@ -58,7 +58,7 @@ def draw(runs, rows, path):
         axis.set(xscale="log", yscale="log", xlabel="standard law", ylabel="another law", title=words)
     style.legend(axes[0], [dict(color=colour, lw=4, label=words) for colour, words in LOOK.values()]
                  + [dict(color=style.GREY["55"], ls="", marker=marker, label=case) for case, marker in markers.items()], loc="upper left", fontsize=7)
-    style.finish(fig, path, "A point a packing; dotted: equal values. Open: the strain of this packing goes the other way.", runs)
+    style.finish(fig, path, "Each point is a packing; dotted: equal values. Open: the strain of this packing goes the other way.", runs)
 
 
 def quantities(table):
