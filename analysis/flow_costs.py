@@ -70,10 +70,11 @@ def arguments(row):
 def settings(row):
     """Return the setting of a row in words."""
     step = f"step {1e3 * row['step']:g} ms"
+    corrected = f", gapCorrection {row['gap_correction']:g}" if row["gap_correction"] else ""
     if row["kind"] in (MD, SPRINGS):
         stiffness = f"{row['setting']:.0e}".replace("e+0", "e")
         return f"{stiffness} N/m, beta_n = {row['beta_n']:g}" + (f", {step}" if row["kind"] == SPRINGS else "")
-    return f"{row['setting']:.0f} sweeps, {step}" if row["kind"] == FEW else f"tolerance {row['setting']:g}, {step}"
+    return f"{row['setting']:.0f} sweeps, {step}" if row["kind"] == FEW else f"tolerance {row['setting']:g}, {step}{corrected}"
 
 
 def summarize(runs):

@@ -157,24 +157,16 @@ def standing(table, case, load):
 
 def quantities(table):
     hard_rigid, hard_springs, stiff, period = "rigid, packing of 10 k_n", "springs, 10 k_n", STIFF["stiffening"], SLOW["period"]
-    soft, hard, servo, step, fine, between, stiff_springs, slowly = (times(table, *pair) for pair in (
+    soft, hard, servo, step, fine, between, stiff_springs, slowly, slow_pairs = (times(table, *pair) for pair in (
         ("rigid", "springs"), (hard_rigid, hard_springs), ("springs, servo for walls", "springs"),
         ("rigid, step / 5", "rigid"), ("rigid, step / 5", "springs"), ("rigid", "springs, servo for walls"), (hard_springs, "springs"),
-        ("springs, 2 s", "springs")))
+        ("springs, 2 s", "springs"), ("rigid, 2 s", "springs, 2 s")))
     others = [times(table, f"{base}, {change}", base) for base, change in (
         ("rigid", "tolerance 1e-6"), ("rigid", "other forces"), (hard_rigid, "tolerance 1e-6"), (hard_rigid, "other forces"), ("springs", "step / 3"),
         ("springs", "damping x 3"), ("springs", "path-independent law"), (hard_springs, "path-independent law"))]
     loose, networks, law = others[0], others[1], others[6]
     shown = {name: [standing(table, name, load) for load in LOADS] for name in (*MAIN, FINE)}
     long = table[table.case.isin(("springs, 2 s", "rigid, 2 s"))]["collapses after"]
-    above = table[table.dSigma == 0.4].groupby("case")["seconds above the limit"].median()
-
-    def chance(one, other):
-        """Return McNemar's exact p (dSigma = 0.3, both sides): of the packings that stand to the end in one of two cases only, as many are of one of
-        them by chance."""
-        own, others = (table[(table.case == case) & (table.dSigma == 0.3)].set_index("seed")["collapses after"].isna() for case in (one, other))
-        apart = own != others
-        return stats.binomtest(int((own & apart).sum()), int(apart.sum())).pvalue if apart.any() else 1.0
 
     def sign(quotients):
         """Return the p of the sign test: of the packings of which it is known, as many stand longer, or less long, by chance."""

@@ -16,6 +16,12 @@ SPRINGS = dict(method="CD", cd_contacts="springs", cd_dt=5e-3, period=2.0, **LOA
 RIGID = dict(method="CD", cd_dt=5e-3, period=2.0, tolerance=1e-8, **LOADING)
 MD = dict(method="MD", md_dt_factor=0.3, md_walls="force", period=0.5, **LOADING)
 LOADS = {"constant": (0.0002, 0.0005, 0.002, 0.01, 0.03, 0.1, 0.2, 0.4, 0.6), "mean": (0.0002, 0.0005, 0.002, 0.01, 0.03, 0.1, 0.2, 0.3)}
+# (alternating, shakedown, ratchet) of the dense packings 1 to 5, rounded (`python3 -m analysis limits`): for loads just below and above.
+BOUNDS = {
+    "constant": ((0.00117, 0.0892, 0.1032), (0.0054, 0.0219, 0.0296), (0.00513, 0.0909, 0.1045), (0.00343, 0.0909, 0.1018),
+                 (0.0011, 0.0341, 0.0495)),
+    "mean": ((0.000567, 0.0454, 0.0527), (0.00284, 0.0105, 0.0142), (0.0013, 0.0554, 0.0671), (0.00193, 0.0483, 0.0562),
+             (0.000494, 0.0145, 0.0212))}
 KINDS = {"MD": "springs (MD)", "springs": "springs (CD)", "rigid": "rigid contacts (CD)"}
 LIMITS = ("alternating", "shakedown", "ratchet", "static")
 
@@ -24,10 +30,17 @@ def _rows(seeds, setting, loads=LOADS, **others):
     return [row for path, several in loads.items() for row in product(stress_path=path, delta_sigma=several, seed=seeds, **others, **setting)]
 
 
+def _near(seeds, setting):
+    """Return rows at 0.9 and 1.1 times the alternating limit, at 0.9 times the shakedown limit, up to the ratchet limit and at 1.1 times that."""
+    return [row for path, packings in BOUNDS.items() for seed in seeds for alternating, shakedown, ratchet in (packings[seed - 1],)
+            for load in (0.9 * alternating, 1.1 * alternating, 0.9 * shakedown, np.sqrt(shakedown * ratchet), 1.1 * ratchet)
+            for row in product(stress_path=path, delta_sigma=float(f"{load:.3g}"), seed=seed, **setting)]
+
+
 ROWS = {"quick": _rows((1,), SPRINGS, {"constant": (0.002, 0.1)}) + _rows((1,), RIGID, {"constant": (0.1,)}),
         "full": _rows(range(1, 6), SPRINGS) + _rows(range(1, 4), SPRINGS, preparation_friction=0.1)
         + _rows(range(1, 6), RIGID, {"constant": (0.1, 0.2, 0.4), "mean": (0.1,)})  # below the static limit; above it: Fig. 3
-        + _rows((1, 2), MD)}
+        + _rows((1, 2), MD) + _near(range(1, 6), SPRINGS) + _near((1, 2), RIGID) + _near((1, 2), MD)}
 
 
 def kind(run):
@@ -98,6 +111,16 @@ def quantities(table):
         near = own.dSigma >= 0.5 * own.static
         return own[own.dSigma < own.shakedown], own[(own.dSigma > own.ratchet) & ~near], own[near]
 
+    def near_of(medium):
+        """Return (median slip in the last unloading, runs) of dense packings just below Melan's limit, up to Koiter's, and just above that."""
+        own = stands[(stands.medium == medium) & (stands["preparation friction"] == 0)]
+        below, above = (own.dSigma / own.shakedown).between(0.85, 0.95), (own.dSigma / own.ratchet).between(1.05, 1.15)
+        parts = below, own.dSigma.between(own.shakedown, own.ratchet), above
+        return [(own[part][last].median(), int(part.sum())) for part in parts]
+
+    near, near_md = near_of("springs"), near_of("MD")
+    assert min(count for _, count in near) >= 10 and min(count for _, count in near_md) >= 4
+    beyond_md = springs[(springs.medium == "MD") & (springs.dSigma / springs.alternating).between(1.05, 1.15)]
     rates = [[(part[late].abs().median(), len(part)) for part in by_load(rows)] for rows in (dense_between, loose_between)]
 
     rigid_below = rigid[rigid.dSigma < 0.9 * rigid.static]

@@ -136,7 +136,7 @@ def quantities(table):
     pairs = md.merge(cd, on=case, suffixes=(" MD", " CD"))
     frail = pairs[(pairs["stress path"] == "mean") & (pairs["preparation friction"] > 0) & (pairs.dSigma == 0.3)].set_index("seed")
     loose_lives = (frail[f"{after} CD"] / frail[f"{after} MD"]).dropna()  # of the packings that collapse by both methods
-    loosest = md[(md["preparation friction"] > 0) & (md.dSigma == 0.1)]
+    loosest = md[(md["preparation friction"] > 0) & (md.dSigma == 0.1) & (md[load] < 1)]
     same = constant[constant.dSigma == 0.5]  # sigma2/sigma1 goes to 1.5, as in at[0.2]
     start = at[0.2]["first cycle"] / same["first cycle"]
     gentle = table[table.ratio < 1.51]

@@ -85,7 +85,7 @@ def _strains(axis, table):
              ylabel=r"largest strain $|\gamma|$")
     axis.annotate("rigid packings rest", (0.03, 0.2), xycoords="axes fraction", fontsize=11, color=style.COLOUR["CD"])
     axis.text(0.995, 0.02, "static limit ", transform=axis.get_xaxis_transform(), ha="right", fontsize=11, color=style.GREY["55"])
-    axis.legend(loc="center left", bbox_to_anchor=(0, 0.47))
+    axis.legend(loc="center left", bbox_to_anchor=(0, 0.5))
 
 
 def load_over_limit(table):

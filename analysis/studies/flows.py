@@ -47,4 +47,5 @@ def quantities(table):
     few = {sweeps: table[(table.kind == FEW) & (table.setting == sweeps)].set_index("scene") for sweeps in (2, 5, 10, 20)}
     gained = {scene: gain[scene] for scene in counts[FEW] if scene in counts[MD]}
     assert list(gained) == ["hopper", "filling"] and counts[MD] == ["hopper", "drum", "filling"]
+    odd = table[(table.scene == "drum") & (table.step == 5e-4) & (table.setting == 1e-4) & (table.at_rest == 1e-4)].squeeze()
     return locals() | {"QUANTITY": QUANTITY, "WORDS": WORDS, "KINDS": KINDS, "settings": settings}

@@ -105,8 +105,8 @@ def draw(runs, rows, path):
     left.text(EVENT, 0.02, f"N = {EVENT} ", transform=left.get_xaxis_transform(), ha="right", fontsize=8)
     left.set_title("cycles of 0.5 s")
     right.set_title("means over windows of cycles")
-    style.finish(fig, path, "Each line is a packing. Dotted: the cycle in which the paper names a sudden compression. Open dots: not different from zero "
-                 "(less than two standard errors). Rigid packings rest: what is drawn is the error of the solver.", runs)
+    style.finish(fig, path, "Each line is a packing. Dotted: the cycle in which the paper names a sudden compression. Open dots: not different from "
+                 "zero (less than two standard errors). Rigid packings rest: what is drawn is the error of the solver.", runs)
 
 
 def molecular():
