@@ -57,9 +57,9 @@ def draw(runs, rows, path):
             axis.sharex(axes[0])
         axes[0].set_ylabel(r"stress $\sigma_2/P_0$")
         _strains(axes[-1], pandas.DataFrame(rows))
-        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded, in one scale. Right: each point is a packing. Rigid packings "
-                     "at rest show the error of the solver: the lower band of steps solved to 1e-8 (dense packings, sigma1 held), the upper one of "
-                     "steps solved to 1e-7.", runs)
+        style.finish(fig, path, "Left and middle: one packing, loaded to 1.2 P0 and unloaded, in one scale. Right: each point is a packing. Rigid "
+                     "packings at rest show the error of the solver: the lower band of steps solved to 1e-8 (dense packings, sigma1 held), "
+                     "the upper one of steps solved to 1e-7.", runs)
 
 
 def _loop(axis, run, exponent):
