@@ -144,7 +144,7 @@ def _late(axis, runs, table):
         ends += [values[MD].min(), values[MD].max()]
     if np.isfinite(ends).all():
         axis.plot([min(ends), max(ends)], [min(ends), max(ends)], color="k", lw=0.7, ls=":")
-    axis.set(xscale="log", yscale="log", xlabel="strain of a cycle by MD", ylabel="strain of a cycle by the other two",
+    axis.set(xscale="log", yscale="log", xlabel="strain of a cycle by MD", ylabel="strain of a cycle by CD",
              title="first cycle (hollow) and late cycles (full)")
     axis.legend()
 
