@@ -68,8 +68,6 @@ def _row(run, probed):
         "contacts": contacts, "dimension": dimension, "2M-3N counted": counted, "samples": len(use), "used": use.sum(),
         "unconverged": (~run.extra["converged"]).sum(), "largest violation used": worst[use].max(),
         "eta": ambiguity(networks), "eta first half": ambiguity(networks[:half]), "eta second half": ambiguity(networks[half:]),
-        "springs from mean": distance(networks, springs) if dimension else np.nan,
-        "cold start from mean": distance(networks, cold) if dimension else np.nan,
         "samples nearer than springs": nearer(networks, springs) if dimension else np.nan,
         "samples nearer than cold start": nearer(networks, cold) if dimension else np.nan, "springs within range": within(networks, springs),
         "walk's range over the exact": coverage(snapshot, load, normal[use]) if probed and dimension else np.nan}
@@ -83,11 +81,6 @@ def ambiguity(networks):
 def _spread(networks):
     """Return deltaF of each contact [N]."""
     return np.sqrt(networks.var(axis=0).sum(axis=1))
-
-
-def distance(networks, forces):
-    """Return the distance of forces from the mean of `networks`, over all contacts, in units of the samples' own rms distance."""
-    return np.sqrt(((forces - networks.mean(axis=0))**2).sum()) / np.sqrt((_spread(networks)**2).sum())
 
 
 def nearer(networks, forces):
